@@ -1,0 +1,28 @@
+"""Findings and the places they point to.
+
+Every stage of the compiler returns ``(result, findings)``. A finding is a value: a code, a
+severity, a sentence with numbers, and a span. Exceptions are for bugs of our own. A repair is
+reported like a fault, so that nothing happens to a drawing in silence.
+"""
+
+from __future__ import annotations
+
+from wedmcam.diag.codes import CODES, Code
+from wedmcam.diag.finding import Diagnostic, Severity, error, has_errors, note, warning
+from wedmcam.diag.span import ByteSpan, EntityRef, FileSpan, Span, TextSpan
+
+__all__ = [
+    "CODES",
+    "ByteSpan",
+    "Code",
+    "Diagnostic",
+    "EntityRef",
+    "FileSpan",
+    "Severity",
+    "Span",
+    "TextSpan",
+    "error",
+    "has_errors",
+    "note",
+    "warning",
+]

@@ -1,1 +1,1 @@
-"""To be written."""
+"""Float kernels: arrays in, arrays out, micrometres. No spans, no findings, no policy."""

@@ -62,11 +62,13 @@ def make(
     cy: Floats,
     turn: NDArray[np.int8],
     radius: Floats | None = None,
+    sweep_near: Floats | None = None,
 ) -> Segments:
     """Return `Segments` with the derived columns filled in.
 
     Start and end are taken as they are; the radius is |start - centre| unless given. start == end
-    with a turn is the full circle.
+    with a turn is the full circle, unless ``sweep_near`` says about how far each arc sweeps: ends
+    that were moved a little must not turn a speck of an arc into a full circle.
     """
     arc = turn != 0
     dx, dy = x1 - x0, y1 - y0
@@ -81,7 +83,11 @@ def make(
     a0 = np.where(arc, np.arctan2(sy, sx), 0.0)
     a1 = np.arctan2(y1 - cy, x1 - cx)
     sweep = np.mod((a1 - a0) * turn, TAU)
-    sweep = np.where(arc & (dx == 0) & (dy == 0), TAU, sweep)
+    if sweep_near is None:
+        sweep = np.where((dx == 0) & (dy == 0), TAU, sweep)
+    else:
+        off = np.mod(sweep - sweep_near + np.pi, TAU) - np.pi
+        sweep = np.clip(sweep_near + off, 0.0, TAU)
     sweep = np.where(arc, sweep, 0.0)
     length = np.where(arc, r * sweep, chord)
     return Segments(x0, y0, x1, y1, cx, cy, turn, r, a0, sweep, ux, uy, length)

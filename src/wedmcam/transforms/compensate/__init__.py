@@ -22,13 +22,14 @@ from wedmcam.geom.segments import Ints
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.compensate.coordinates import node_points
 from wedmcam.transforms.compensate.interference import Interference, find_interference
-from wedmcam.transforms.compensate.raw import Raw, Source, gather, raw_offset
+from wedmcam.transforms.compensate.raw import SPECK_UM, Raw, Source, gather, raw_offset
 from wedmcam.transforms.compensate.resolve import Loops, resolve
 
 __all__ = ["Compensated", "Interference", "WirePath", "compensate", "largest_offset"]
 
-#: (clearance, node) tolerances in um, tried in this order until no piece is lost.
-TOLERANCES = ((0.01, 2e-3), (0.002, 5e-4), (0.05, 1e-2))
+#: Segments shorter than this (um) are left out, tried in this order until no piece is lost. Curls
+#: of less than a micron at a corner can cross themselves at a scale that nothing else shows.
+SPECKS_UM = (SPECK_UM, 0.05, 0.3, 1.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,10 +83,10 @@ def compensate(
     Source: the transition arcs are the ZD-065 paper's; shifting, cutting and judging by distance
     follows Liu, Yong, Zheng and Sun, Computers in Industry 58 (2007), stitching by node is ours.
     """
-    source = gather(list(outlines), list(shifts))
-    raw = raw_offset(source, sharp)
-    for near_um, node_um in TOLERANCES:
-        found = resolve(source, raw, near_um, node_um)
+    for speck_um in SPECKS_UM:
+        source = gather(list(outlines), list(shifts), speck_um)
+        raw = raw_offset(source, sharp)
+        found = resolve(source, raw)
         if not len(found.lost):
             break
     else:
@@ -122,9 +123,7 @@ def _paths(
         through = (element == np.roll(element, 1)) & (
             np.abs(found.at0[k] - np.roll(found.at1[k], 1)) < 1e-9
         )
-        if not closed:
-            through[0] = False
-        elif through.all():
+        if not closed or through.all():
             through[0] = False
         runs.append(k[~through])
     if not runs:

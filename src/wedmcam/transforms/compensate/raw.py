@@ -28,11 +28,13 @@ from wedmcam.ir.contour import Contour
 #: Segments shorter than this are noise of the drawing, not geometry; um.
 SPECK_UM = 5e-3
 #: Ends this near meet without further question; um.
-SAME_UM = 1e-3
+SAME_UM = 2e-3
+#: An arc with less radius than this is a point; um. Its ends are at most SAME_UM apart.
+POINT_UM = 1e-3
 #: Ends nearer than this may meet in the middle, if that moves the path sideways by less than
 #: SIDEWAYS_UM: half a step of the machine; um.
 SNAP_UM = 0.5
-SIDEWAYS_UM = 0.02
+SIDEWAYS_UM = 0.01
 #: ``--convex sharp`` reaches at most this many offsets from the corner (spec, command line).
 MITRE_LIMIT = 4.0
 
@@ -82,8 +84,13 @@ class Raw:
     vanished: Ints
 
 
-def gather(contours: list[Contour], shifts: list[float]) -> Source:
-    """Return the segments of all contours in one array, relative to a whole-um origin near them."""
+def gather(
+    contours: list[Contour], shifts: list[float], speck_um: float = SPECK_UM
+) -> Source:
+    """Return the segments of all contours in one array, relative to a whole-um origin near them.
+
+    Segments shorter than ``speck_um`` are left out; the chain stays connected.
+    """
     columns: list[list[NDArray[np.float64]]] = [[] for _ in range(7)]
     contour_of, row_of, following, shift_of = [], [], [], []
     xs = np.concatenate([c.vertices["x"] for c in contours])
@@ -101,11 +108,11 @@ def gather(contours: list[Contour], shifts: list[float]) -> Source:
         rows = np.arange(len(a))
         radius = np.hypot(x0 - cx, y0 - cy)
         chord = np.hypot(x1 - x0, y1 - y0)
-        speck = (chord < SPECK_UM) & ~((turn != 0) & (chord == 0))
+        speck = (chord < speck_um) & ~((turn != 0) & (chord == 0))
         # A nearly closed arc has a short chord too; its middle is a diameter away.
         if (speck & (turn != 0)).any():
             s = seg.make(x0, y0, x1, y1, cx, cy, turn)
-            speck &= s.length < SPECK_UM
+            speck &= s.length < speck_um
         if speck.any() and not speck.all():
             keep = np.flatnonzero(~speck)
             # The segment after a speck starts where the speck did: the chain stays connected.
@@ -141,7 +148,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     s, shift = source.segments, source.shift
     arc = s.turn != 0
     radius = np.where(arc, s.radius - shift * s.turn, 0.0)
-    vanished = arc & (radius <= 0.0)
+    vanished = arc & (radius <= POINT_UM)
     t0x, t0y = seg.start_tangents(s)
     t1x, t1y = seg.end_tangents(s)
     x0, y0 = s.x0 - shift * t0y, s.y0 + shift * t0x
@@ -188,6 +195,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
         np.concatenate([s.cy[alive], s.y1[corners]]),
         np.concatenate([s.turn[alive], -np.sign(shift[corners])]).astype(np.int8),
         np.concatenate([radius[alive], np.abs(shift[corners])]),
+        np.concatenate([s.sweep[alive], turning[corners]]),
     )
     key = np.concatenate([2 * alive, 2 * corners + 1])
     order = np.argsort(key, kind="stable")
@@ -258,7 +266,7 @@ def _joints(
         f = k[rows]
         mx, my = 0.5 * (x1[rows] + x0[f]), 0.5 * (y1[rows] + y0[f])
         x1[rows], y1[rows], x0[f], y0[f] = mx, my, mx, my
-        e = seg.make(x0, y0, x1, y1, e.cx, e.cy, e.turn, e.radius)
+        e = seg.make(x0, y0, x1, y1, e.cx, e.cy, e.turn, e.radius, e.sweep)
         joined[rows] = True
     return joined, e
 

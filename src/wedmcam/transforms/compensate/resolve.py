@@ -23,6 +23,8 @@ from wedmcam.transforms.compensate.raw import Raw, Source
 NODE_UM = 2e-3
 #: How much nearer than the offset a kept piece may be; um. Joints that met in the middle need it.
 NEAR_UM = 0.01
+#: A loose end this near to another element touches it: nearly tangent, they need not cross; um.
+TOUCH_UM = 0.06
 #: Loops thinner than this (area over length) are no cut; um.
 SLIVER_UM = 0.02
 #: Crossings this near to the point at which two neighbours are joined anyway are that point; um.
@@ -83,11 +85,13 @@ def resolve(source: Source, raw: Raw, near_um: float = NEAR_UM, node_um: float =
     label = _merged(node_x, node_y, np.concatenate([used, np.ones(m, bool)]), node_um)
     crossing = np.arange(2 * n, 2 * n + m)
 
+    touched, touched_at, touching = _touches(raw, starts, ends, x, y)
+
     # Cut: one row per (element, position, node), sorted; neighbours in it bound a piece.
-    of = np.concatenate([ends, ends, c.i, c.j])
-    at = np.concatenate([np.zeros(n), e.length, c.at_i, c.at_j])
-    node = label[np.concatenate([starts, ends, crossing, crossing])]
-    rank = np.concatenate([np.zeros(n), np.full(n, 2), np.ones(2 * m)])
+    of = np.concatenate([ends, ends, c.i, c.j, touched])
+    at = np.concatenate([np.zeros(n), e.length, c.at_i, c.at_j, touched_at])
+    node = label[np.concatenate([starts, ends, crossing, crossing, touching])]
+    rank = np.concatenate([np.zeros(n), np.full(n, 2), np.ones(2 * m + len(touched))])
     order = np.lexsort((rank, at, of))
     of, at, node = of[order], at[order], node[order]
     same = of[1:] == of[:-1]
@@ -188,6 +192,22 @@ def _crossings(raw: Raw) -> crossings.Crossings:
     trivial |= before & (length[c.j] - c.at_j < JOINT_UM) & (c.at_i < JOINT_UM)
     k = ~trivial
     return crossings.Crossings(c.i[k], c.j[k], c.at_i[k], c.at_j[k], c.x[k], c.y[k])
+
+
+def _touches(
+    raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Floats
+) -> tuple[Ints, Floats, Ints]:
+    """Return (element, position, node): loose ends that lie on another element, nearly."""
+    n = len(ends)
+    loose = np.concatenate([ends[~raw.joined], starts[starts >= n]])
+    px, py = x[loose], y[loose]
+    boxes = pairs.grown(seg.boxes(raw.elements), TOUCH_UM)
+    i, j = pairs.overlapping((px, py, px, py), boxes)
+    e = raw.elements.take(j)
+    at = seg.position_of(e, px[i], py[i])
+    near = (seg.distances(e, px[i], py[i]) <= TOUCH_UM) & (at > TOUCH_UM)
+    near &= at < e.length - TOUCH_UM
+    return j[near], at[near], loose[i[near]]
 
 
 def _merged(x: Floats, y: Floats, used: NDArray[np.bool_], node_um: float) -> Ints:

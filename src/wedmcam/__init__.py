@@ -1,3 +1,49 @@
-"""wedmcam: from a drawing to a proven wire-EDM program."""
+"""wedmcam: from a drawing to a proven wire-EDM program.
+
+The library is what the command line calls: `compile`, `verify`, `inspect`, `plot`. Names are
+fetched when they are first used, so that importing this costs nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wedmcam.api import (
+        Compilation,
+        Inspection,
+        Proof,
+        compile,  # noqa: A004 - the word of the trade
+        inspect,
+        plot,
+        read_program,
+        verify,
+    )
+    from wedmcam.options import Options, WrongUse
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Compilation",
+    "Inspection",
+    "Options",
+    "Proof",
+    "WrongUse",
+    "compile",
+    "inspect",
+    "plot",
+    "read_program",
+    "verify",
+]
+
+_API = {"Compilation", "Inspection", "Proof", "compile", "inspect", "plot", "read_program"}
+
+
+def __getattr__(name: str) -> Any:
+    import importlib
+
+    if name in _API:
+        return getattr(importlib.import_module("wedmcam.api"), name)
+    if name in ("Options", "WrongUse"):
+        return getattr(importlib.import_module("wedmcam.options"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,1 +1,30 @@
-"""To be written."""
+"""Program in, bytes out: one writer a format.
+
+A writer is ``encode(program, machine, positions=None) -> (bytes, findings)``. It refuses what its
+format cannot say; it never decides what is cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+#: Format -> module with ``encode``; named and not imported, so that starting costs nothing.
+ENCODERS: dict[str, str] = {
+    "3b": "wedmcam.backends.b3",
+    "compact": "wedmcam.backends.compact",
+}
+
+
+def encoder(format_: str) -> Callable[..., Any]:
+    """Return ``encode`` of a format.
+
+    Raises:
+        KeyError: no writer has this name.
+
+    >>> encoder("3b").__module__
+    'wedmcam.backends.b3'
+    """
+    encode: Callable[..., Any] = import_module(ENCODERS[format_]).encode
+    return encode

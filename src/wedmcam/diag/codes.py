@@ -26,10 +26,512 @@ class Code:
 
 CODES: dict[str, Code] = {
     # --- reading a drawing -----------------------------------------------------------------
+    "not-dxf": Code(
+        "The file is no DXF drawing.",
+        "There is nothing to cut.",
+        "Export the drawing as DXF, R12 or later; a DWG or a picture has to be converted first.",
+    ),
+    "damaged-drawing": Code(
+        "The DXF file breaks its own rules, at the line named if it is known.",
+        "A reader that guesses on would lose geometry or move it.",
+        "Open the drawing in a CAD program, let it repair it, and export it again.",
+    ),
+    "merge-conflict": Code(
+        "The file holds the markers of a version control conflict.",
+        "Two drawings are mixed in it; neither of them is meant.",
+        "Resolve the conflict, or export the drawing again.",
+    ),
+    "repaired-drawing": Code(
+        "The file was completed in memory before reading, because the reader would lose data.",
+        "Without a version, polylines would lose their layer and their closed flag.",
+        "Nothing has to be done; exporting the drawing again as R2000 or later is cleaner.",
+    ),
+    "no-units": Code(
+        "The drawing does not say what one drawing unit is.",
+        "A part in the wrong unit is 25.4 times too large or too small.",
+        "Give --units mm, --units inch or --units um.",
+    ),
+    "units-overridden": Code(
+        "--units differs from the unit that the drawing states.",
+        "The drawing's own statement is ignored; the size of the part depends on it.",
+        "Check the size that the message gives.",
+    ),
+    "unlikely-units": Code(
+        "The part has an unlikely size in the unit it was read in, and a likely one in another.",
+        "Many exporters write inch or metre into every drawing.",
+        "Check the size, and give --units if the other one is right.",
+    ),
+    "units-contradict": Code(
+        "$INSUNITS and $MEASUREMENT of the drawing contradict each other.",
+        "One of them is wrong; the size of the part follows $INSUNITS.",
+        "Check the size that `inspect` shows, and give --units to settle it.",
+    ),
+    "empty-drawing": Code(
+        "There is nothing in the drawing that could be cut.",
+        "An empty program would run without a word.",
+        "Check layers and filters; geometry has to be in model space.",
+    ),
+    "not-cut": Code(
+        "Entities that are no lines, arcs or polylines were left out.",
+        "Text, dimensions and hatches are no contours; what is meant to be cut must be geometry.",
+        "Nothing, or explode the entities into lines and arcs.",
+    ),
+    "hidden-not-cut": Code(
+        "Entities that the drawing does not show were left out: layer off or frozen, invisible, "
+        "or on DEFPOINTS.",
+        "What nobody sees in the drawing is not meant to be cut.",
+        "Switch the layer on if it is.",
+    ),
+    "layer-left-out": Code(
+        "Entities on layers that --layer and --ignore-layer leave out.",
+        "They are not cut, as asked.",
+        "Nothing.",
+    ),
+    "unsupported-entity": Code(
+        "An entity that could be a contour and that cannot be read yet.",
+        "Leaving it out would cut another part.",
+        "Convert it into lines, arcs or polylines, or leave its layer out with --ignore-layer.",
+    ),
+    "tilted": Code(
+        "An entity does not lie in a plane parallel to the drawing's.",
+        "Seen from above an arc is an ellipse there.",
+        "Lay the entity flat.",
+    ),
+    "not-flat": Code(
+        "A line or polyline whose height changes along it.",
+        "Its length seen from above is not its length.",
+        "Lay the entity flat.",
+    ),
+    "bad-bulge": Code(
+        "A polyline arc so bulged that it is a full circle but for nothing.",
+        "Its radius and centre follow from rounding errors.",
+        "Draw the circle as a circle.",
+    ),
+    "bad-number": Code(
+        "A coordinate, radius or angle that is no finite number, or beyond 1000 km.",
+        "Nothing can be cut there.",
+        "Redraw or delete the entity named.",
+    ),
+    "missing-block": Code(
+        "An INSERT of a block that the drawing does not hold.",
+        "What it stands for would not be cut.",
+        "Bind external references before exporting, or delete the INSERT.",
+    ),
+    "block-cycle": Code(
+        "A block that inserts itself.",
+        "It would never end.",
+        "Delete the inner INSERT.",
+    ),
+    "unequal-scale": Code(
+        "A block with arcs inserted with different scales in x and y.",
+        "Its arcs are ellipses there; cut as arcs they would have the wrong shape.",
+        "Explode the block in the CAD program, or insert it with one scale.",
+    ),
+    "clipped-block": Code(
+        "An INSERT with a clipping boundary.",
+        "The boundary is not applied: parts that the drawing hides would be cut.",
+        "Explode and trim the block.",
+    ),
+    "too-large": Code(
+        "Blocks inserted in blocks expand into millions of segments.",
+        "Arrays of arrays grow beyond any part, mostly by a wrong count.",
+        "Check the row and column counts of the INSERT named.",
+    ),
+    "full-arc": Code(
+        "An ARC whose start and end angle are equal: taken as a full circle.",
+        "It could also be meant as nothing.",
+        "Draw a CIRCLE.",
+    ),
+    "polyline-width": Code(
+        "A polyline with a width: its centre line is taken.",
+        "The wire follows a line without width.",
+        "Nothing, if the centre line is the contour.",
+    ),
+    "start-layer": Code(
+        "Something on layer START that is no thread point.",
+        "Layer START holds thread points (POINT, or small circles) and is never cut.",
+        "Move the entity to another layer.",
+    ),
     # --- contours --------------------------------------------------------------------------
+    "zero-length": Code(
+        "Pieces of drawing without length were dropped.",
+        "They have no direction and cannot be cut.",
+        "Nothing.",
+    ),
+    "duplicate": Code(
+        "Segments that are drawn twice; one of each was left out.",
+        "They would be cut twice, or make every corner a branch.",
+        "Nothing, or delete the copies.",
+    ),
+    "join": Code(
+        "Ends of segments that nearly met were joined.",
+        "The contour moves there by half the gap.",
+        "Nothing, if the gaps are as small as the drawing is inaccurate; else a smaller --join.",
+    ),
+    "join-moves-arc": Code(
+        "Closing a gap at the end of an arc would move the whole arc.",
+        "An almost full arc turns about the gap; its far side would move by much more.",
+        "Draw the arc to its end, or lower --join.",
+    ),
+    "branch": Code(
+        "More than two segments meet, and there is no one way to go on.",
+        "A wire follows one path; which one is not for the compiler to guess.",
+        "Remove construction lines, or put them on a layer of their own.",
+    ),
+    "overlap": Code(
+        "Two segments run on top of each other for a part of their length.",
+        "The part in common would be cut twice, and the contours do not close.",
+        "Trim one of them.",
+    ),
+    "self-crossing": Code(
+        "A contour crosses itself.",
+        "It has no inside, so no side for the wire.",
+        "Redraw it at the place named.",
+    ),
+    "crossing-contours": Code(
+        "Two contours cross.",
+        "What is inside the one and outside the other is both kept and removed.",
+        "Trim them to one outline, or leave one out by its layer.",
+    ),
+    "contours-touch": Code(
+        "Contours touch and do not cross.",
+        "The material between them has no width at that place.",
+        "Check that it is meant.",
+    ),
+    "open-contour": Code(
+        "A contour that does not close.",
+        "A part cannot be kept inside or outside of an open line.",
+        "Close the gap in the drawing, raise --join, or cut it with --side left, right or on.",
+    ),
     # --- wire path: compensation, leads, order ---------------------------------------------
+    "no-offset": Code(
+        "no offset was given, so the wire's centre runs on the drawn line",
+        "the part gets smaller, and holes larger, by half the kerf on every side",
+        "give --offset (or --wire and --gap), or say --side on if it is meant",
+    ),
+    "closed-left-right": Code(
+        "a closed contour was asked to be cut on its left or right",
+        "left of a closed contour is inside or outside, depending on how it was drawn",
+        "say --side part or --side die",
+    ),
+    "nothing-to-cut": Code(
+        "the offset leaves no path to cut",
+        "a program without a cut would look like success",
+        "a smaller offset, or another drawing",
+    ),
+    "interference": Code(
+        "the wire does not fit: an inside radius, neck, slot or contour too small for the offset",
+        "what the wire cannot reach stays uncut, and the part is not as drawn",
+        "a thinner wire, a larger radius, or --on-interference trim to cut what can be reached",
+    ),
+    "inner-corners": Code(
+        "sharp inner corners cannot be cut sharp: they keep the radius of the wire",
+        "a punch with sharp corners does not fit into a die cut so",
+        "--corner with at least the offset rounds the corners of both",
+    ),
+    "thread-point-unused": Code(
+        "a thread point serves no contour",
+        "a start hole that nobody uses was drilled for something else than is cut",
+        "put it on the scrap side of its contour, or remove it",
+    ),
+    "thread-point-twice": Code(
+        "two thread points serve one contour",
+        "the wire can be threaded at one only",
+        "remove one of them",
+    ),
+    "lead-hits": Code(
+        "a lead meets its own path or another cut on its way",
+        "the lead would cut into kept material, or into a piece that is already loose",
+        "move the thread point, or give one",
+    ),
+    "stop-too-long": Code(
+        "--stop is longer than the path",
+        "the machine would pause before it begins",
+        "a shorter --stop",
+    ),
+    "overcut-too-long": Code(
+        "--overcut is longer than the path",
+        "the contour would be cut twice",
+        "a shorter --overcut",
+    ),
+    "corner-too-large": Code(
+        "--corner does not fit between the neighbours of a corner",
+        "the rounding would cut away a segment",
+        "a smaller --corner",
+    ),
+    "offset-unresolved": Code(
+        "the crossings of the shifted segments did not form closed paths",
+        "a path that is not proven closed could leave a contour uncut or cut into the part",
+        "report the drawing; another offset, or a drawing without near-coincident lines, may help",
+    ),
     # --- lowering --------------------------------------------------------------------------
+    "blocks-split": Code(
+        "arcs were split so that the stepped path stays within its budget of 2 um",
+        "nothing: the program has some blocks more",
+        "nothing to do",
+    ),
+    "specks-dropped": Code(
+        "segments begin and end on the same micron and have no block of their own",
+        "nothing: the path passes within a micron of them",
+        "nothing to do; a cleaner drawing has fewer",
+    ),
+    "radius-over-limit": Code(
+        "an arc's radius does not fit the format and is cut as chords",
+        "the arc is cut within the stated sagitta, in more blocks",
+        "choose a format that holds the radius (the compact format holds 10 m)",
+    ),
+    "move-too-long": Code(
+        "a move between two thread points does not fit one block",
+        "several lines between two D would be cut, not moved",
+        "use another --order, or thread points that lie nearer to each other",
+    ),
+    "cannot-lower": Code(
+        "no stepped path within the budget of deviation was found",
+        "nothing is written: it would not be the path that was proven",
+        "report the drawing",
+    ),
     # --- formats and profiles --------------------------------------------------------------
+    "profile-syntax": Code(
+        "A profile is not TOML.",
+        "Nothing of it can be used.",
+        "Mend the line that is named.",
+    ),
+    "profile-key": Code(
+        "A profile has a key that nobody reads.",
+        "A misspelt limit would be no limit.",
+        "Correct or remove the key; `wedmcam profile show` prints a complete profile.",
+    ),
+    "profile-value": Code(
+        "A value in a profile has the wrong type or is out of range.",
+        "The program would not fit the controller.",
+        "Give what the message asks for.",
+    ),
+    "profile-missing": Code(
+        "A key that every profile must have is missing.",
+        "Limits are never guessed.",
+        "Add the key.",
+    ),
+    "profile-name": Code(
+        "No profile has this name.",
+        "A controller is never guessed.",
+        "`wedmcam profile list` prints the names; a profile of your own is a .toml file.",
+    ),
+    "no-blocks": Code(
+        "The file holds no block of this format.",
+        "There is nothing to cut.",
+        "Check that it is the right file; `wedmcam identify` says what it is.",
+    ),
+    "bad-record": Code(
+        "Text that looks like a 3B record and is none.",
+        "The controller would refuse it or read it in another way.",
+        (
+            "Write `B X B Y B J G Z`: three B, whole micrometres without sign or point, GX or "
+            "GY, then L, SR or NR with a quadrant 1 to 4."
+        ),
+    ),
+    "unsupported-4b": Code(
+        "A 4B record: it has a radius as its fourth field, and D or DD before G.",
+        "4B leaves the offset to the controller; read as 3B it would cut another path.",
+        "Write the program as 3B, with the offset computed.",
+    ),
+    "zero-count": Code(
+        "The count length J is 0.",
+        "Controllers skip such a record in silence or never end it.",
+        "Remove the record or correct J.",
+    ),
+    "endless-block": Code(
+        "The count direction is an axis on which the block never steps.",
+        "The block never ends: the machine runs on.",
+        "Correct G, or the direction of the line.",
+    ),
+    "arc-too-small": Code(
+        "An arc of which the start is less than sqrt(2) um from its centre.",
+        "The interpolator steps onto the centre and never ends.",
+        "Replace the arc by a line.",
+    ),
+    "over-limit": Code(
+        "A number is larger than the format or the profile allows.",
+        "It does not fit its field: digits would be lost.",
+        ("Split the block, or choose a profile with the limit that the controller really has."),
+    ),
+    "quadrant-repaired": Code(
+        "A block along an axis named the neighbouring quadrant and was corrected.",
+        "Controllers correct this too, but not all of them.",
+        "Nothing is needed; writing the program again names the right quadrant.",
+    ),
+    "count-axis": Code(
+        "A line is counted on its shorter axis, or not on the axis of the tie rule.",
+        (
+            "The end is off by up to millimetres, because the last steps on the longer axis "
+            "are missing."
+        ),
+        "Write the program again: G becomes the longer axis.",
+    ),
+    "more-than-a-turn": Code(
+        "An arc whose J is more than a full circle has.",
+        "The wire runs round the same circle again.",
+        "Correct J, unless this is meant.",
+    ),
+    "text-skipped": Code(
+        "Text around the records that is no record: headers, comments, names.",
+        "It is not cut; a record hidden in it would be missing.",
+        "Look at the places that are named.",
+    ),
+    "commented-record": Code(
+        "A record inside a comment.",
+        "It was not read; some controllers know no comments and would cut it.",
+        "Remove it, or take it out of the comment.",
+    ),
+    "hidden-control-word": Code(
+        "A control word stands in a line of other text and was not taken as one.",
+        "A pause or a stop may be missing.",
+        "Put the control word on a line of its own, or after a semicolon if it is none.",
+    ),
+    "unknown-word": Code(
+        "A bare word that the profile does not know; kept as a control record.",
+        "Nobody knows what the controller does with it.",
+        "Name the control words in the profile ([words]).",
+    ),
+    "after-end": Code(
+        "There is data after the end of the program.",
+        "The controller does not run it, or runs it as another program.",
+        "Split the file, or remove what follows the end.",
+    ),
+    "no-end": Code(
+        "The data stop without an end byte 0x00.",
+        "The controller goes on into whatever the memory holds.",
+        "Add a byte 0x00; check whether the file was cut short.",
+    ),
+    "bad-instruction": Code(
+        "A byte where an instruction is expected that is none.",
+        "All that follows cannot be read: the lengths of blocks are not known.",
+        "Check the format with `wedmcam identify`; the file may be damaged.",
+    ),
+    "bad-digit": Code(
+        "A half byte of packed BCD is larger than 9.",
+        "The number cannot be read.",
+        "The file is damaged or has another format.",
+    ),
+    "truncated": Code(
+        "The data end inside a block.",
+        "The last block cannot be run.",
+        "The file was cut short; get it again.",
+    ),
+    "over-memory": Code(
+        "The program is larger than the controller's memory.",
+        "It must be loaded in several parts.",
+        "Use `--split`, which cuts it at thread points.",
+    ),
+    "over-travel": Code(
+        "The program moves farther than the table.",
+        "The machine runs into its limit switches.",
+        "Move or turn the part, or split it.",
+    ),
+    "not-in-format": Code(
+        "A block that the format cannot express.",
+        "It would be cut otherwise than meant.",
+        "Compile for this format, or convert with lowering.",
+    ),
+    "lone-line": Code(
+        "A cut of one line alone between two pauses.",
+        "In 3B it would be read as a move with the wire off.",
+        "Write the line as two.",
+    ),
+    "thread-point": Code(
+        "A pause stands behind a move, where the format has a thread point.",
+        "The return after a wire break ends at thread points, not at pauses.",
+        "Nothing is needed; written again, it is a thread point.",
+    ),
+    "pause-added": Code(
+        "A control record that the format needs was added.",
+        "3B marks a move by a pause before and after it.",
+        "Nothing is needed.",
+    ),
+    "ratio-line": Code(
+        "A line whose X and Y are a ratio and not its whole length.",
+        "Its end is not on a whole micrometre; controllers that take X and Y literally cut less.",
+        "Write the line with its whole length.",
+    ),
     # --- the judge -------------------------------------------------------------------------
+    "path-deviation": Code(
+        "The stepped path leaves the exact wire path by more than the limit.",
+        "The part would be cut to another shape from this block on.",
+        "The program is not the drawing's: compile again, or look at the block named.",
+    ),
+    "wrong-order": Code(
+        "The program follows the wire path backwards, twice, or not in its order.",
+        "The machine would cut over a cut, or against the sense that was asked for.",
+        "Compile again; an old program can be judged without its order.",
+    ),
+    "not-closed": Code(
+        "A closed contour whose program does not end on the micron where it started.",
+        "The cut leaves a step, and every later contour is shifted by as much.",
+        "Compile again; look for a count length J that was edited.",
+    ),
+    "gouge": Code(
+        "The wire with its spark gap enters the material that is to be kept.",
+        "The part is scrap.",
+        "Check the side (part or die), the offset, and where the wire is threaded.",
+    ),
+    "missing-piece": Code(
+        "A piece of the part's outline that the wire could reach is not cut.",
+        "The piece does not come loose, or material is left on it.",
+        "Check the offset (radius, not diameter) and that every contour is cut.",
+    ),
+    "uncut-corner": Code(
+        "Places of the outline that the round wire cannot reach.",
+        "Inner corners keep the radius of the wire.",
+        "Nothing is needed; a thinner wire or a corner radius would fit better.",
+    ),
+    "thread-point": Code(
+        "A cut does not start, or end, exactly at its thread point.",
+        "The wire would be threaded beside the start hole.",
+        "Check where the program starts in the drawing, and the moves between cuts.",
+    ),
+    "missing-cut": Code(
+        "A contour of the plan is not in the program.",
+        "The contour stays uncut.",
+        "Compile again; look for records that were lost.",
+    ),
+    "extra-cut": Code(
+        "The program cuts something that the plan does not ask for.",
+        "The wire cuts where nothing is to be cut.",
+        "Compile again; look for records that were pasted twice.",
+    ),
+    "stop-point": Code(
+        "The pause before the end of a contour is missing, is too many, or is at another place.",
+        "The piece may fall and break the wire before the operator holds it.",
+        "Compile again with the stop length that is wanted.",
+    ),
+    "block-limit": Code(
+        "A block holds a number over the limit of the machine.",
+        "The machine refuses the block, or drops its first digits.",
+        "Compile for this machine's profile: blocks over a limit are split.",
+    ),
+    "empty-block": Code(
+        "A cutting block that makes no step.",
+        "Some controllers delete it in silence, others run on for ever.",
+        "Remove the block.",
+    ),
+    "stepped-differs": Code(
+        "Written for controllers that recompute arc ends; one that counts steps does otherwise.",
+        "On a controller that counts steps the contour is off by the figure given.",
+        "Compile with --count exact for a controller that counts steps.",
+    ),
+    "origin-fitted": Code(
+        "Where the program starts in the drawing was found by fitting.",
+        "The program itself does not say it.",
+        "State it with --origin to have it checked.",
+    ),
+    "other-order": Code(
+        "The program cuts the part, in another order, sense or with other leads than planned.",
+        "Nothing: the part is what is proven.",
+        "Nothing is needed.",
+    ),
+    "no-fit": Code(
+        "No place in the drawing was found at which the program cuts its contours.",
+        "The program is of another part, offset, size or rotation.",
+        "Check the drawing, the offset and the units, or state --origin.",
+    ),
     # --- files and the command line --------------------------------------------------------
 }

@@ -1,1 +1,29 @@
-"""To be written."""
+"""Files in, values out: drawings become sketches, programs become `ir.program.Program`.
+
+A program reader is ``decode(data, machine, file) -> (Program, findings)`` and takes any bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+#: Format -> module with ``decode``; named and not imported, so that starting costs nothing.
+DECODERS: dict[str, str] = {
+    "3b": "wedmcam.frontends.b3",
+    "compact": "wedmcam.frontends.compact",
+}
+
+
+def decoder(format_: str) -> Callable[..., Any]:
+    """Return ``decode`` of a format.
+
+    Raises:
+        KeyError: no reader has this name.
+
+    >>> decoder("compact").__module__
+    'wedmcam.frontends.compact'
+    """
+    decode: Callable[..., Any] = import_module(DECODERS[format_]).decode
+    return decode

@@ -1,1 +1,88 @@
-"""To be written."""
+"""Controllers and dialects as data: one TOML profile each, and the loader.
+
+A profile says what a format leaves open: limits, layout, control words, which table a line is
+stepped by. The built-in profiles lie beside this module.
+"""
+
+from __future__ import annotations
+
+import difflib
+from functools import cache
+from importlib.resources import files
+
+from wedmcam.diag import Diagnostic, error
+from wedmcam.machines.machine import Layout, Limits, Machine, Words
+from wedmcam.machines.profile import parse
+
+#: The profile of a format when none is named.
+DEFAULTS: dict[str, str] = {"3b": "b3-compact", "compact": "zd065"}
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """Return the names of the built-in profiles, sorted.
+
+    >>> "b3-compact" in names() and "zd065" in names()
+    True
+    """
+    here = files("wedmcam.machines")
+    return tuple(sorted(f.name[:-5] for f in here.iterdir() if f.name.endswith(".toml")))
+
+
+def text(name: str) -> str:
+    """Return the TOML of a built-in profile.
+
+    Raises:
+        KeyError: no profile has this name.
+    """
+    if name not in names():
+        raise KeyError(name)
+    return files("wedmcam.machines").joinpath(f"{name}.toml").read_text("utf-8")
+
+
+@cache
+def builtin(name: str) -> Machine:
+    """Return a built-in profile.
+
+    Raises:
+        KeyError: no profile has this name; `find` reports that as a finding.
+
+    >>> builtin("zd065").limits.memory_bytes
+    4096
+    """
+    machine, found = parse(text(name), name)
+    assert machine is not None, found  # a profile that we ship
+    return machine
+
+
+def default(format_: str) -> Machine:
+    """Return the profile that a format has when none is named.
+
+    Raises:
+        KeyError: the format has none.
+    """
+    return builtin(DEFAULTS[format_])
+
+
+def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
+    """Return the built-in profile ``name``, or a finding that names the nearest."""
+    if name in names():
+        return builtin(name), []
+    near = difflib.get_close_matches(name, names(), 1, 0.5)
+    hint = f"did you mean '{near[0]}'?" if near else f"built in are {', '.join(names())}"
+    return None, [error("profile-name", f"no profile is called '{name}'", hint=hint)]
+
+
+__all__ = [
+    "DEFAULTS",
+    "Layout",
+    "Limits",
+    "Machine",
+    "Words",
+    "builtin",
+    "default",
+    "find",
+    "names",
+    "parse",
+    "text",
+]

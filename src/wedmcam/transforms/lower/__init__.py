@@ -88,7 +88,7 @@ class _State:
     ay: Ints
 
     SEGMENT = (
-        "v0 v1 cx cy radius turn source role cut keeps group done axis count square ax ay".split()
+        ["v0", "v1", "cx", "cy", "radius", "turn", "source", "role", "cut", "keeps", "group", "done", "axis", "count", "square", "ax", "ay"]
     )
 
 
@@ -140,7 +140,7 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
 
 
 def _state(course: Course) -> _State:
-    ints = {n: np.array(getattr(course, n), np.int64) for n in "v0 v1 turn source role cut".split()}
+    ints = {n: np.array(getattr(course, n), np.int64) for n in ["v0", "v1", "turn", "source", "role", "cut"]}
     ints |= {n: np.array(getattr(course, n), np.int64) for n in ("keeps", "group")}
     n = len(course.v0)
     x, y = np.array(course.x), np.array(course.y)

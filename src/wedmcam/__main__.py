@@ -1,0 +1,58 @@
+"""Start of the program: ``wedmcam`` and ``python -m wedmcam``."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+INTERNAL, INTERRUPTED = 70, 130
+
+
+def main() -> None:
+    """Run the command line; a closed pipe and Ctrl-C leave no traceback."""
+    from wedmcam.cli.main import cli
+
+    try:
+        status = cli.main(prog_name="wedmcam", standalone_mode=False)
+        sys.stdout.flush()
+        sys.exit(status if isinstance(status, int) else 0)
+    except BrokenPipeError:
+        # Nobody reads any more: that is their right. Python must not flush into it again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(141)
+    except KeyboardInterrupt:
+        sys.stderr.write("interrupted\n")
+        sys.exit(INTERRUPTED)
+    except Exception as why:
+        sys.exit(_said(why))
+
+
+def _said(why: Exception) -> int:
+    """Say what stopped the program, and return its exit status."""
+    import click
+
+    from wedmcam.options import WrongUse
+
+    if isinstance(why, click.exceptions.Exit):
+        return why.exit_code
+    if isinstance(why, click.Abort):
+        sys.stderr.write("interrupted\n")
+        return INTERRUPTED
+    if isinstance(why, click.ClickException):
+        why.show()
+        return why.exit_code
+    if isinstance(why, WrongUse):
+        sys.stderr.write(f"error: {why}\n")
+        return 2
+    if os.environ.get("WEDMCAM_DEBUG"):
+        raise why
+    sys.stderr.write(
+        f"internal error: {type(why).__name__}: {why}\n"
+        "this is a bug of wedmcam: please report it with the input "
+        "(WEDMCAM_DEBUG=1 shows where it happened)\n"
+    )
+    return INTERNAL
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,606 @@
+"""The library: what the command line calls, and what anybody may call.
+
+These functions take bytes or a path, and return values; they print nothing and write nothing. A
+path is read here and nowhere deeper.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wedmcam import machines, pipeline
+from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.ir.plan import Plan
+from wedmcam.ir.program import LineTable, Program
+from wedmcam.machines import Machine
+from wedmcam.options import Options, WrongUse
+from wedmcam.pipeline import Drawn, Refused, Run
+
+if TYPE_CHECKING:
+    from wedmcam.verify import Verdict
+
+Source = str | Path | bytes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compilation:
+    """What came of a compile.
+
+    Attributes:
+        ok: a program was made and proven.
+        data: its bytes; None unless ``ok``.
+        program: decoded from these bytes; None unless it came so far.
+        plan: what it was compared with.
+        drawn: what was read.
+        machine: the profile.
+        verdict: the judge's figures.
+        summary: the fields of the certificate, also when it failed.
+        findings: everything that was found, in order.
+        stage: where it stopped; empty when ``ok``.
+    """
+
+    ok: bool
+    data: bytes | None
+    program: Program | None
+    plan: Plan | None
+    drawn: Drawn | None
+    machine: Machine
+    verdict: Verdict | None
+    summary: dict[str, Any]
+    findings: tuple[Diagnostic, ...]
+    stage: str = ""
+
+    @property
+    def status(self) -> int:
+        """The exit status: 0 done, 1 the input has errors, 3 the proof failed."""
+        if self.ok:
+            return 0
+        return 3 if self.stage in ("decode", "verify") else 1
+
+
+def compile(  # noqa: A001 - the word of the trade
+    source: Source,
+    *,
+    to: str | None = None,
+    profile: Machine | str | None = None,
+    name: str | None = None,
+    output_name: str = "",
+    options: Options | None = None,
+    **mm: Any,
+) -> Compilation:
+    """Compile a drawing and prove the program.
+
+    Args:
+        source: a path, or the bytes of a DXF drawing.
+        to: "3b" (default) or "compact".
+        profile: a machine, or the name of a built-in one; None for the format's default.
+        name: of the source in findings and certificate; the path by default.
+        output_name: of the program in the certificate.
+        options: everything else, in um; or give fields of `Options` in mm by keyword: ``offset=0.1,
+            side="die", starts=[(0, 0)], corner=0.2``.
+
+    Raises:
+        WrongUse: options that do not fit together.
+        OSError: the path cannot be read.
+
+    Example::
+
+        made = wedmcam.compile("bracket.dxf", offset=0.1)
+        if made.ok:
+            Path("bracket.3b").write_bytes(made.data)
+    """
+    data, name = _bytes(source, name)
+    machine = machine_for(to, profile)
+    options = options if options is not None else options_in_mm(**mm)
+    run = Run(options.strict)
+    drawn = plan = program = verdict = None
+    out: bytes | None = None
+    stage = ""
+    try:
+        drawn = pipeline.read(data, name, options, run)
+        plan = pipeline.plan(drawn, options, run)
+        lowered = pipeline.lower(plan, machine, options, run)
+        out = pipeline.encode(lowered, machine, run)
+        program, verdict = pipeline.prove(
+            out, output_name or "program", plan, machine, options, run, origin=lowered.origin
+        )
+    except Refused as why:
+        stage = why.stage
+    ok = not stage
+    summary = _summary(
+        run.found, machine, options, name, data, output_name, out if ok else None, drawn, verdict
+    )
+    return Compilation(
+        ok,
+        out if ok else None,
+        program,
+        plan,
+        drawn,
+        machine,
+        verdict,
+        summary,
+        tuple(run.found),
+        stage,
+    )
+
+
+def options_in_mm(**mm: Any) -> Options:
+    """Return `Options` from keywords in mm: a length ``x`` stands for the field ``x_um``.
+
+    >>> options_in_mm(offset=0.1, side="die", starts=[(1, 2)]).starts_um
+    ((1000.0, 2000.0),)
+
+    Raises:
+        WrongUse: an unknown keyword or value.
+    """
+    values: dict[str, Any] = {}
+    known = set(Options.__dataclass_fields__)
+    for key, value in mm.items():
+        if key == "starts":
+            values["starts_um"] = [(1000.0 * x, 1000.0 * y) for x, y in value]
+        elif f"{key}_um" in known:
+            values[f"{key}_um"] = None if value is None else 1000.0 * value
+        else:
+            values[key] = value
+    return Options.from_data(values)
+
+
+def machine_for(to: str | None, profile: Machine | str | None) -> Machine:
+    """Return the machine of a format and a profile.
+
+    Raises:
+        WrongUse: an unknown one, or a profile of another format.
+    """
+    if isinstance(profile, str):
+        machine, found = machines.find(profile)
+        if machine is None:
+            hint = f" ({found[0].hint})" if found[0].hint else ""
+            raise WrongUse(found[0].message + hint)
+        profile = machine
+    if profile is None:
+        try:
+            return machines.default(to or "3b")
+        except KeyError:
+            raise WrongUse(f"no program format is called '{to}'") from None
+    if to is not None and profile.format != to:
+        raise WrongUse(f"the profile '{profile.name}' is for {profile.format}, not for {to}")
+    return profile
+
+
+def _bytes(source: Source, name: str | None) -> tuple[bytes, str]:
+    if isinstance(source, bytes):
+        return source, name or "input"
+    return Path(source).read_bytes(), name or str(source)
+
+
+def _summary(
+    found: list[Diagnostic],
+    machine: Machine,
+    options: Options,
+    name: str,
+    data: bytes,
+    output_name: str,
+    out: bytes | None,
+    drawn: Drawn | None,
+    verdict: Verdict | None,
+) -> dict[str, Any]:
+    """Return the certificate, or what is known of it when there is no verdict."""
+    units = drawn.sketch.info.units if drawn else None
+    if verdict is None:
+        from wedmcam.verify.certificate import finding_data, fingerprint
+
+        return {
+            "input": name,
+            "output": None,
+            "format": machine.format,
+            "units": units,
+            "origin_um": None,
+            "contours": None,
+            "blocks": None,
+            "steps": None,
+            "closure_um": None,
+            "max_deviation_um": None,
+            "gouge_um": None,
+            "offset_um": options.offset_um or 0.0,
+            "side": str(options.effective_side),
+            "diagnostics": [finding_data(d) for d in found],
+            "ok": False,
+            "input_sha256": fingerprint(data),
+        }
+    from wedmcam.verify import certificate
+
+    result = certificate(
+        verdict,
+        found,
+        input_name=name,
+        output_name=output_name,
+        format_name=machine.format,
+        units=units or "",
+        input_bytes=data,
+        output_bytes=out or b"",
+        profile_name=machine.name,
+        profile_bytes=repr(machine).encode(),
+        join_um=drawn.report.max_shift_um if drawn else 0.0,
+        options=options.as_data(),
+    )
+    if out is None:
+        result["output"] = None
+        result["ok"] = False
+    return result
+
+
+# --- verify --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """What the judge found out about a program that exists.
+
+    Attributes:
+        ok: no error was found.
+        program: as decoded, with its origin in the drawing.
+        verdict: the figures; None when nothing could be compared.
+        plan: what it was compared with; None without a drawing.
+        machine: the profile it was read with.
+        summary: the certificate.
+        findings: everything that was found.
+        status: the exit status.
+    """
+
+    ok: bool
+    program: Program | None
+    verdict: Verdict | None
+    plan: Plan | None
+    machine: Machine
+    summary: dict[str, Any]
+    findings: tuple[Diagnostic, ...]
+    status: int
+
+
+def verify(
+    program: Source,
+    *,
+    against: Source | None = None,
+    profile: Machine | str | None = None,
+    format: str | None = None,  # noqa: A002 - the word of the trade
+    name: str | None = None,
+    against_name: str | None = None,
+    origin_mm: tuple[float, float] | None = None,
+    certificate: dict[str, Any] | None = None,
+    options: Options | None = None,
+    **mm: Any,
+) -> Proof:
+    """Decode a program, run it on its controller, and compare it with a drawing.
+
+    Args:
+        program: a path or bytes.
+        against: the drawing; None only decodes, runs and tells the figures.
+        profile: as for `compile`.
+        format: of the program; None to tell by its name and its content.
+        name: of the program in findings.
+        against_name: of the drawing.
+        origin_mm: where the program starts in the drawing. None: as the certificate says, if it is
+            this program's; else where the same options would start it; else a fitted translation.
+        certificate: of an earlier compile; gives options and origin, and is checked itself.
+        options: how the drawing is cut, or fields of `Options` in mm by keyword.
+
+    What is proven is the part: another order, other leads, are notes.
+    """
+    data, name = _bytes(program, name)
+    machine = _reader_machine(data, name, format, profile)
+    if options is None:
+        options = options_in_mm(**mm)
+    run = Run(options.strict)
+    decoded: Program | None = None
+    plan: Plan | None = None
+    verdict: Verdict | None = None
+    drawn: Drawn | None = None
+    drawing, drawing_name = (b"", "") if against is None else _bytes(against, against_name)
+    stage = ""
+    try:
+        decoded = _decode(data, name, machine, run)
+        if certificate is not None:
+            run.add("certificate", _check_certificate(certificate, data, drawing, machine))
+            if origin_mm is None and _same(certificate, "output_sha256", data):
+                x, y = certificate["origin_um"]
+                origin_mm = (x / 1000, y / 1000)
+        if against is not None:
+            drawn = pipeline.read(drawing, drawing_name, options, run)
+            plan = pipeline.plan(drawn, options, run)
+            decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm)
+    except Refused as why:
+        stage = why.stage
+    errors = has_errors(run.found)
+    status = 0 if not errors else (3 if stage in ("verify", "certificate") else 1)
+    summary = _proof_summary(
+        run, machine, options, name, data, drawing_name, drawing, drawn, decoded, verdict
+    )
+    return Proof(
+        not errors, decoded, verdict, plan, machine, summary, tuple(run.found), status
+    )
+
+
+def read_program(
+    source: Source,
+    *,
+    profile: Machine | str | None = None,
+    format: str | None = None,  # noqa: A002 - the word of the trade
+    name: str | None = None,
+) -> tuple[Program | None, Machine, tuple[Diagnostic, ...]]:
+    """Return a program as decoded, the machine it was read with, and the findings."""
+    data, name = _bytes(source, name)
+    machine = _reader_machine(data, name, format, profile)
+    run = Run()
+    try:
+        decoded = _decode(data, name, machine, run)
+    except Refused:
+        return None, machine, tuple(run.found)
+    return decoded, machine, tuple(run.found)
+
+
+def _decode(data: bytes, name: str, machine: Machine, run: Run) -> Program:
+    from wedmcam.frontends import decoder
+
+    return run("decode", decoder(machine.format)(data, machine, name))
+
+
+def _reader_machine(
+    data: bytes, name: str, format_: str | None, profile: Machine | str | None
+) -> Machine:
+    from wedmcam.options import FORMAT_OF_SUFFIX
+
+    if format_ is None and profile is None:
+        format_ = FORMAT_OF_SUFFIX.get(Path(name).suffix.lower())
+        if format_ is None:
+            from wedmcam.frontends.identify import identify
+
+            seen = identify(data).format
+            format_ = seen if seen in machines.DEFAULTS else "3b"
+    return machine_for(format_, profile)
+
+
+def _same(certificate: dict[str, Any], key: str, data: bytes) -> bool:
+    from wedmcam.verify.certificate import fingerprint
+
+    return bool(certificate.get(key) == fingerprint(data))
+
+
+def _check_certificate(
+    certificate: dict[str, Any], data: bytes, drawing: bytes, machine: Machine
+) -> list[Diagnostic]:
+    from wedmcam.diag import warning
+
+    found = []
+    for key, what, seen in (
+        ("output_sha256", "program", data),
+        ("input_sha256", "drawing", drawing),
+    ):
+        if seen and not _same(certificate, key, seen):
+            found.append(
+                warning(
+                    "certificate-differs",
+                    f"the certificate was issued for another {what}: its fingerprint differs",
+                    hint="what is proven now is the file that is there",
+                )
+            )
+    return found
+
+
+def _judged(
+    decoded: Program,
+    plan: Plan,
+    machine: Machine,
+    options: Options,
+    run: Run,
+    origin_mm: tuple[float, float] | None,
+) -> tuple[Program, Verdict]:
+    """Judge at the stated origin; else at the plan's; else where the program fits best."""
+    from dataclasses import replace
+
+    from wedmcam.verify import fit, judge
+
+    table = LineTable(machine.line_table)
+    textbook = pipeline.count_of(machine, options) == "textbook"
+
+    def at(program: Program) -> tuple[Verdict, list[Diagnostic]]:
+        return judge(
+            program,
+            plan,
+            table=table,
+            limits=machine.limits,
+            count="textbook" if textbook else "exact",
+            strict_order=False,
+            trimmed=options.trim,
+        )
+
+    if origin_mm is not None:
+        origin = (round(1000 * origin_mm[0]), round(1000 * origin_mm[1]))
+        placed = replace(decoded, origin=origin)
+        verdict, found = at(placed)
+    else:
+        placed = replace(decoded, origin=plan.cuts[0].thread)
+        verdict, found = at(placed)
+        if not verdict.ok:
+            fitted, notes = fit(decoded, plan, table=table)
+            if fitted is not None:
+                better, more = at(fitted)
+                if better.ok or better.max_deviation_um < verdict.max_deviation_um:
+                    placed, verdict, found = fitted, better, [*notes, *more]
+    run.add("verify", found)
+    return placed, verdict
+
+
+def _proof_summary(
+    run: Run,
+    machine: Machine,
+    options: Options,
+    name: str,
+    data: bytes,
+    drawing_name: str,
+    drawing: bytes,
+    drawn: Drawn | None,
+    decoded: Program | None,
+    verdict: Verdict | None,
+) -> dict[str, Any]:
+    if verdict is not None:
+        summary = _summary(
+            run.found, machine, options, drawing_name, drawing, name, data, drawn, verdict
+        )
+        summary["ok"] = not has_errors(run.found)
+        return summary
+    summary = _summary(
+        run.found, machine, options, drawing_name, drawing, name, None, drawn, None
+    )
+    summary |= {"input": drawing_name or None, "output": name, "side": None, "offset_um": None}
+    if decoded is not None:
+        summary |= figures(decoded, machine)
+    if not drawing:
+        del summary["input_sha256"]
+        summary["ok"] = not has_errors(run.found)
+    return summary
+
+
+def figures(program: Program, machine: Machine) -> dict[str, Any]:
+    """Return what a program does by itself: blocks, steps, where it ends, its extents.
+
+    ``closure_um`` is the distance between the first and the last position of the whole program.
+    """
+    import numpy as np
+
+    from wedmcam.controller import run as run_blocks
+    from wedmcam.ir.program import Kind
+
+    motion = run_blocks(program.blocks, LineTable(machine.line_table))
+    kind = program.blocks["kind"]
+    cutting = (kind == Kind.LINE) | (kind == Kind.ARC)
+    x, y = np.cumsum(motion.dx), np.cumsum(motion.dy)
+    cuts = int(np.sum((kind == Kind.MOVE)) + 1) if cutting.any() else 0
+    closure = float(np.hypot(x[-1], y[-1])) if len(x) else 0.0
+    return {
+        "contours": cuts,
+        "blocks": int(cutting.sum()),
+        "steps": int(motion.steps[cutting].sum()),
+        "closure_um": closure,
+        "end_um": [int(x[-1]), int(y[-1])] if len(x) else [0, 0],
+        "extents_um": [
+            int(min(x.min(), 0)),
+            int(min(y.min(), 0)),
+            int(max(x.max(), 0)),
+            int(max(y.max(), 0)),
+        ]
+        if len(x)
+        else [0, 0, 0, 0],
+        "limits": {
+            "count_um": [
+                int(program.blocks["count"].max(initial=0)),
+                machine.limits.count_um,
+            ]
+        },
+    }
+
+
+# --- inspect and plot ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inspection:
+    """What the reader saw.
+
+    Attributes:
+        drawn: segments, contours, nesting; None where the drawing was refused.
+        facts: plain data for a table or for JSON.
+        findings: everything that was found.
+    """
+
+    drawn: Drawn | None
+    facts: dict[str, Any]
+    findings: tuple[Diagnostic, ...] = field(default=())
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return 1 if has_errors(self.findings) else 0
+
+
+def inspect(
+    source: Source, *, name: str | None = None, options: Options | None = None, **mm: Any
+) -> Inspection:
+    """Return what the reader sees in a drawing, and the largest offset that fits it."""
+    from wedmcam.inspection import facts_of
+
+    data, name = _bytes(source, name)
+    options = options if options is not None else options_in_mm(**mm)
+    run = Run(options.strict)
+    drawn = None
+    try:
+        drawn = pipeline.read(data, name, options, run)
+    except Refused:
+        return Inspection(None, {"input": name}, tuple(run.found))
+    facts, more = facts_of(name, drawn, options)
+    run.found += more
+    return Inspection(drawn, facts, tuple(run.found))
+
+
+def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
+    """Return an SVG picture: of the verified program where there is one, else of the contours."""
+    from wedmcam.backends.svg import plot as plot_program
+    from wedmcam.backends.svg import plot_contours
+
+    marks = [d for d in made.findings if d.points_mm and d.severity is not Severity.NOTE]
+    if isinstance(made, Inspection):
+        if made.drawn is None:
+            raise WrongUse("there is nothing to draw")
+        return plot_contours(
+            made.drawn.contours,
+            thread_points=made.drawn.sketch.thread_points,
+            title=title,
+            marks=marks,
+        )
+    if made.program is None:
+        if isinstance(made, Compilation) and made.drawn is not None:
+            return plot_contours(
+                made.drawn.contours,
+                thread_points=made.drawn.sketch.thread_points,
+                title=title,
+                marks=marks,
+            )
+        raise WrongUse("there is nothing to draw")
+    starts, ends = positions(made.program, made.machine)
+    return plot_program(
+        made.program,
+        starts,
+        ends,
+        plan=made.plan,
+        title=title,
+        facts=_plot_facts(made),
+        marks=marks,
+    )
+
+
+def positions(program: Program, machine: Machine) -> tuple[Any, Any]:
+    """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
+    import numpy as np
+
+    from wedmcam.controller import run as run_blocks
+
+    motion = run_blocks(program.blocks, LineTable(machine.line_table))
+    ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
+    starts = ends - np.column_stack([motion.dx, motion.dy])
+    return starts, ends
+
+
+def _plot_facts(made: Compilation | Proof) -> dict[str, str]:
+    facts = {"profile": made.machine.name}
+    v = made.verdict
+    if v is not None:
+        facts |= {"side": v.side, "offset": f"{v.offset_um / 1000:.3f} mm"}
+        facts |= {"blocks": str(v.blocks), "steps": str(v.steps)}
+        facts["deviation"] = f"{v.max_deviation_um:.2f} um"
+        if v.closure_um is not None:
+            facts["closure"] = f"{v.closure_um:.0f} um"
+        if v.gouge_um is not None:
+            facts["gouge"] = f"{v.gouge_um:.2f} um"
+        facts["proof"] = "passed" if made.ok else "FAILED"
+    return facts

@@ -1,0 +1,133 @@
+"""What every writer asks of a program before it writes: does it fit, and where does it end.
+
+Findings name the block, and the place in the source or in the file that it was read from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Severity, Span, error, has_errors
+from wedmcam.formats.listing import listed
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.machines import Machine
+
+
+def mm(um: float) -> str:
+    """Return a length for people.
+
+    >>> mm(1_000_000)
+    '1000.000 mm'
+    """
+    return f"{um / 1000:.3f} mm"
+
+
+class Checks:
+    """Collects findings about the blocks of one program."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.found: list[Diagnostic] = []
+        self._well = np.ones(len(program.blocks), dtype=bool)
+
+    @property
+    def failed(self) -> bool:
+        """Whether any finding is an error."""
+        return has_errors(self.found)
+
+    def span(self, i: int) -> Span | None:
+        """Return where block ``i`` was read or drawn, or None."""
+        if i < len(self.program.spans):
+            return self.program.spans[i]
+        source = int(self.program.blocks["source"][i])
+        return self.program.sources[source] if 0 <= source < len(self.program.sources) else None
+
+    def tell(
+        self,
+        severity: Severity,
+        code: str,
+        mask: NDArray[np.bool_],
+        message: Callable[[int], str],
+        hint: str | None = None,
+    ) -> None:
+        """Report the blocks in ``mask`` that have no error yet."""
+        where = np.flatnonzero(mask & self._well)
+        self.found += (
+            d
+            for _, d in listed(
+                severity,
+                code,
+                where,
+                self.span,
+                lambda i: f"block {i + 1}: {message(i)}",
+                hint,
+            )
+        )
+        if severity is Severity.ERROR:
+            self._well[where] = False
+
+
+def ends(program: Program, machine: Machine) -> NDArray[np.int64]:
+    """Return where the machine stands after each block, drawing um, shape (blocks, 2)."""
+    from wedmcam.controller import run
+
+    motion = run(program.blocks, LineTable(machine.line_table))
+    return _summed(program, motion.dx, motion.dy)
+
+
+def _summed(program: Program, dx: NDArray[np.int64], dy: NDArray[np.int64]) -> NDArray[np.int64]:
+    steps = np.cumsum(np.stack([dx, dy], axis=1), axis=0)
+    summed: NDArray[np.int64] = steps + np.array(program.origin)
+    return summed
+
+
+def extents(program: Program, machine: Machine) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the smallest and largest x, y that the wire reaches, moves included, drawing um.
+
+    Arcs count with the apexes that they pass; the interpolator stays within 1 um of those.
+    """
+    from wedmcam.controller import run
+
+    blocks = program.blocks
+    motion = run(blocks, LineTable(machine.line_table))
+    positions = _summed(program, motion.dx, motion.dy)
+    starts = np.vstack([[program.origin], positions[:-1]])[: len(positions)]
+    points = [np.array([program.origin]), positions]
+    arc = blocks["kind"] == Kind.ARC
+    a = blocks[arc]
+    centre = starts[arc] - np.stack([a["x"], a["y"]], axis=1)
+    end = positions[arc] - centre
+    turn = a["turn"].astype(np.float64)
+    first = np.arctan2(a["y"], a["x"])
+    radius = np.hypot(a["x"], a["y"])
+    sweep = turn * (np.arctan2(end[:, 1], end[:, 0]) - first) % (2 * np.pi)
+    # Start and end leave whole turns open. A turn takes 8R steps, and parts of it in proportion to
+    # within a tenth of a turn: enough to tell an arc that just passes its start from a short one.
+    expected = motion.steps[arc] / (8 * radius) * (2 * np.pi)
+    sweep += 2 * np.pi * np.round((expected - sweep) / (2 * np.pi))
+    apex = np.ceil(radius).astype(np.int64)
+    for k, (ux, uy) in enumerate(((1, 0), (0, 1), (-1, 0), (0, -1))):
+        passed = turn * (k * np.pi / 2 - first) % (2 * np.pi) <= sweep
+        points.append((centre + apex[:, None] * np.array([ux, uy]))[passed])
+    every = np.concatenate(points)
+    return every.min(axis=0), every.max(axis=0)
+
+
+def travel(program: Program, machine: Machine) -> list[Diagnostic]:
+    """Return a finding for each axis on which the program goes farther than the table does."""
+    limit = machine.limits.travel_um
+    if limit is None or not len(program.blocks):
+        return []
+    low, high = extents(program, machine)
+    return [
+        error(
+            "over-travel",
+            f"the program goes {mm(int(size))} along {name}; the table of {machine.name} goes "
+            f"{mm(most)}",
+        )
+        for name, size, most in zip("XY", high - low, limit, strict=True)
+        if size > most
+    ]

@@ -1,0 +1,194 @@
+"""The options of a compile on the command line, shared by compile, check, plot and verify."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from wedmcam.cli.lengths import LENGTH, POINT
+
+if TYPE_CHECKING:
+    from wedmcam.machines import Machine
+    from wedmcam.options import Options
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+SIDES = click.Choice(["part", "die", "left", "right", "on"])
+
+
+def _stack(*options: Callable[[F], F]) -> Callable[[F], F]:
+    def apply(command: F) -> F:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return apply
+
+
+drawing_options = _stack(
+    click.option("--from", "from_", metavar="FORMAT", help="Format of the input: dxf."),
+    click.option(
+        "--units",
+        type=click.Choice(["mm", "um", "inch"]),
+        help="Unit of the drawing, whatever it says itself.",
+    ),
+    click.option("--layer", "layers", multiple=True, metavar="NAME", help="Take only this layer."),
+    click.option(
+        "--ignore-layer", "ignore_layers", multiple=True, metavar="NAME", help="Leave it out."
+    ),
+    click.option("--join", "join_um", type=LENGTH, default="0.01mm", help="Largest gap closed."),
+)
+
+path_options = _stack(
+    click.option("--offset", "offset_um", type=LENGTH, help="Outline to wire centre."),
+    click.option("--wire", "wire_um", type=LENGTH, help="Wire diameter (with --gap)."),
+    click.option("--gap", "gap_um", type=LENGTH, help="Spark gap: offset = wire / 2 + gap."),
+    click.option(
+        "--side",
+        type=SIDES,
+        help="part keeps the material inside outer contours (default with an offset), die the "
+        "reverse; on runs on the line.",
+    ),
+    click.option("--corner", "corner_um", type=LENGTH, help="Round the part's own corners."),
+    click.option(
+        "--convex",
+        type=click.Choice(["arc", "sharp"]),
+        default="arc",
+        help="At corners that the wire goes round.",
+    ),
+    click.option(
+        "--on-interference",
+        type=click.Choice(["error", "trim"]),
+        default="error",
+        help="Where the wire does not fit.",
+    ),
+    click.option(
+        "--start", "starts_um", type=POINT, multiple=True, help="A thread point, X,Y in mm."
+    ),
+    click.option("--lead", "lead_um", type=LENGTH, default="1mm", help="Lead without a start."),
+    click.option("--stop", "stop_um", type=LENGTH, help="Pause so far before the end."),
+    click.option("--overcut", "overcut_um", type=LENGTH, help="Cut so far past the start."),
+    click.option("--order", type=click.Choice(["given", "inner-first", "nearest"])),
+    click.option("--reverse", is_flag=True, help="Clockwise instead of counter-clockwise."),
+    click.option("--count", type=click.Choice(["exact", "textbook"]), help="How J is found."),
+)
+
+machine_options = _stack(
+    click.option(
+        "--profile", metavar="NAME|FILE", help="Controller or dialect (see wedmcam profile list)."
+    ),
+)
+
+said_options = _stack(
+    click.option("--strict", is_flag=True, help="Warnings are errors."),
+    click.option("--json", "json_", is_flag=True, help="Summary on standard output."),
+    click.option("-q", "--quiet", is_flag=True, help="Say only what is wrong."),
+    click.option("-v", "--verbose", is_flag=True, help="Say more."),
+)
+
+compile_options = _stack(drawing_options, path_options, machine_options)
+
+
+def options_of(asked: dict[str, Any]) -> Options:
+    """Return `Options` from what click collected.
+
+    Raises:
+        WrongUse: options that do not fit together.
+    """
+    from wedmcam.ir.plan import Side
+    from wedmcam.options import Options, WrongUse
+    from wedmcam.transforms.order import Order
+
+    offset = asked["offset_um"]
+    wire, gap = asked["wire_um"], asked["gap_um"]
+    if offset is not None and (wire is not None or gap is not None):
+        raise WrongUse("give --offset, or --wire and --gap, not both")
+    if wire is not None and gap is not None:
+        if wire <= 0 or gap < 0:
+            raise WrongUse("--wire must be positive and --gap not negative")
+        offset = wire / 2 + gap
+    elif wire is not None or gap is not None:
+        raise WrongUse("--wire and --gap go together: offset = wire / 2 + gap")
+    return Options(
+        units=asked["units"],
+        layers=asked["layers"],
+        ignore_layers=asked["ignore_layers"],
+        join_um=asked["join_um"],
+        offset_um=offset,
+        side=Side(asked["side"]) if asked["side"] else None,
+        corner_um=asked["corner_um"] or 0.0,
+        sharp=asked["convex"] == "sharp",
+        trim=asked["on_interference"] == "trim",
+        starts_um=asked["starts_um"],
+        lead_um=asked["lead_um"],
+        stop_um=asked["stop_um"] or 0.0,
+        overcut_um=asked["overcut_um"] or 0.0,
+        order=Order(asked["order"]) if asked["order"] else None,
+        reverse=asked["reverse"],
+        count=asked["count"],
+        strict=asked.get("strict", False),
+    )
+
+
+def machine_of(profile: str | None, to: str | None) -> Machine:
+    """Return the machine of ``--profile`` (a built-in name or a TOML file) and ``--to``.
+
+    Raises:
+        WrongUse: no such profile, or one of another format.
+    """
+    from wedmcam import api, machines
+    from wedmcam.cli.files import read_input
+    from wedmcam.cli.say import say_findings
+    from wedmcam.options import WrongUse
+
+    if profile is None or (profile in machines.names()):
+        return api.machine_for(to, profile)
+    if not profile.lower().endswith(".toml"):
+        return api.machine_for(to, profile)  # says which names are near
+    try:
+        text = read_input(profile).decode("utf-8")
+    except UnicodeDecodeError:
+        raise WrongUse(f"{profile}: not UTF-8") from None
+    machine, found = machines.parse(text, Path(profile).stem)
+    say_findings(found, profile)
+    if machine is None:
+        raise WrongUse(f"{profile}: this profile cannot be used")
+    return api.machine_for(to, machine)
+
+
+def check_source(name: str, from_: str | None) -> None:
+    """Refuse sources of a format that is not read.
+
+    Raises:
+        WrongUse: with what can be read.
+    """
+    from wedmcam.options import FORMAT_OF_SUFFIX, SOURCE_FORMATS, WrongUse
+
+    if from_ is not None and from_ not in SOURCE_FORMATS:
+        raise WrongUse(f"no source format is called '{from_}': {', '.join(SOURCE_FORMATS)}")
+    if from_ is None and Path(name).suffix.lower() in FORMAT_OF_SUFFIX:
+        raise WrongUse(f"{name} is a program: see wedmcam verify, dump and plot")
+
+
+def format_of(output: str, to: str | None, profile: Machine | None = None) -> str | None:
+    """Return the format of an output from ``--to`` or its name.
+
+    Raises:
+        WrongUse: neither says.
+    """
+    from wedmcam.options import FORMAT_OF_SUFFIX, PROGRAM_FORMATS, WrongUse
+
+    if to is not None:
+        if to not in PROGRAM_FORMATS:
+            raise WrongUse(f"no program format is called '{to}': {', '.join(PROGRAM_FORMATS)}")
+        return to
+    if profile is not None:
+        return profile.format
+    found = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
+    if found is None:
+        known = ", ".join(FORMAT_OF_SUFFIX)
+        raise WrongUse(f"the name {output} does not tell the format ({known}): give --to")
+    return found

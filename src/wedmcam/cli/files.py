@@ -1,0 +1,103 @@
+"""Opening and writing: the only part of the project that touches files.
+
+Outputs appear whole or not at all: written beside their place, then renamed; all outputs of a run
+are renamed only when all were written.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import click
+
+
+def read_input(name: str) -> bytes:
+    """Return the bytes of a file, or of standard input for ``-``.
+
+    Raises:
+        click.ClickException: it cannot be read; exit status 1.
+    """
+    try:
+        if name == "-":
+            return sys.stdin.buffer.read()
+        return Path(name).read_bytes()
+    except OSError as why:
+        raise Failed(f"{name}: cannot be read: {why.strerror or why}") from why
+
+
+class Failed(click.ClickException):
+    """Something outside the program failed: exit status 1, one line on standard error."""
+
+    exit_code = 1
+
+    def show(self, file: object = None) -> None:
+        """Print the message."""
+        click.echo(f"error: {self.message}", err=True)
+
+
+def check_outputs(inputs: Sequence[str], outputs: Sequence[str]) -> None:
+    """Refuse outputs that are inputs, or each other.
+
+    Raises:
+        click.UsageError: exit status 2.
+    """
+    taken = {Path(i).resolve() for i in inputs if i != "-"}
+    for name in outputs:
+        if name == "-":
+            continue
+        place = Path(name).resolve()
+        if place in taken:
+            raise click.UsageError(f"the output {name} would overwrite an input or another output")
+        if place.is_dir():
+            raise click.UsageError(f"the output {name} is a folder")
+        if not place.parent.is_dir():
+            raise click.UsageError(f"there is no folder {place.parent} for the output {name}")
+        taken.add(place)
+    if list(outputs).count("-") > 1:
+        raise click.UsageError("only one output can be standard output")
+
+
+def write_outputs(outputs: Sequence[tuple[str, bytes]]) -> None:
+    """Write all files beside their places, then rename them; ``-`` is standard output.
+
+    Raises:
+        Failed: nothing was replaced.
+    """
+    made: list[tuple[str, str]] = []
+    try:
+        for name, data in outputs:
+            if name == "-":
+                continue
+            place = Path(name).resolve()
+            handle, beside = tempfile.mkstemp(prefix=f".{place.name}.", dir=place.parent)
+            made.append((beside, str(place)))
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+            os.chmod(beside, _mode(place))
+        for beside, place_name in made:
+            os.replace(beside, place_name)
+        made = []
+    except OSError as why:
+        raise Failed(f"{why.filename or 'output'}: cannot be written: {why.strerror}") from why
+    finally:
+        for beside, _ in made:
+            with suppress(OSError):
+                os.unlink(beside)
+    for name, data in outputs:
+        if name == "-":
+            sys.stdout.buffer.write(data)
+            sys.stdout.buffer.flush()
+
+
+def _mode(place: Path) -> int:
+    """Return the permissions of the file that is replaced, or what a new file would get."""
+    with suppress(OSError):
+        return place.stat().st_mode & 0o777
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask

@@ -1,0 +1,68 @@
+"""Lengths on the command line: ``0.1mm``, ``100um``, ``0.004in``; a bare number is mm."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import click
+
+UM = {"": 1000.0, "mm": 1000.0, "um": 1.0, "µm": 1.0, "in": 25400.0, "inch": 25400.0, '"': 25400.0}
+PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zµ\"]*)\s*$")
+#: Larger lengths are typing errors: 100 m.
+MOST_UM = 1e8
+
+
+def length_um(text: str) -> float:
+    """Return a length in um.
+
+    >>> [length_um(t) for t in ("0.1", "0.1mm", "100um", "0.004in")]
+    [100.0, 100.0, 100.0, 101.6]
+
+    Raises:
+        ValueError: not a length.
+    """
+    found = PATTERN.match(text)
+    if not found or found[2] not in UM:
+        raise ValueError(f"'{text}' is no length: write 0.1, 0.1mm, 100um or 0.004in")
+    value = round(float(found[1]) * UM[found[2]], 6)
+    if abs(value) > MOST_UM:
+        raise ValueError(f"'{text}' is longer than 100 m")
+    return value
+
+
+class Length(click.ParamType):
+    """A length, as um."""
+
+    name = "length"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> float:
+        """Return um; a wrong one is wrong use."""
+        if isinstance(value, float):
+            return value
+        try:
+            return length_um(value)
+        except ValueError as why:
+            self.fail(str(why), param, ctx)
+
+
+class Point(click.ParamType):
+    """X,Y in mm (units allowed), as um."""
+
+    name = "x,y"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[float, float]:
+        """Return (x, y) in um; a wrong one is wrong use."""
+        if isinstance(value, tuple):
+            return value
+        parts = str(value).split(",")
+        if len(parts) != 2:
+            self.fail(f"'{value}' is no point: write X,Y in mm, for instance 4,10", param, ctx)
+        try:
+            return length_um(parts[0]), length_um(parts[1])
+        except ValueError as why:
+            self.fail(str(why), param, ctx)
+
+
+LENGTH = Length()
+POINT = Point()

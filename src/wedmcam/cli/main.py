@@ -1,0 +1,439 @@
+"""The commands. Each fetches what it needs when it runs, so that ``--help`` answers at once."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from wedmcam import __version__
+from wedmcam.cli import asked as ask
+from wedmcam.cli.files import check_outputs, read_input, write_outputs
+from wedmcam.cli.lengths import POINT
+
+CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+EPILOG = """Exit status: 0 done, 1 the input has errors, 2 wrong use, 3 verification failed,
+70 internal error, 130 interrupted. Lengths take a unit (0.1mm, 100um, 0.004in); bare numbers
+are mm."""
+
+
+@click.group(context_settings=CONTEXT, epilog=EPILOG)
+@click.version_option(__version__, prog_name="wedmcam")
+def cli() -> None:
+    """Compile drawings to wire-EDM programs, and prove every program that is written."""
+
+
+@cli.command("compile")
+@click.argument("input_")
+@click.option("-o", "--output", required=True, help="Where the program goes; - for stdout.")
+@click.option("--to", metavar="FORMAT", help="3b or compact; by default from the output's name.")
+@ask.compile_options
+@click.option("--certificate", metavar="FILE.json", help="Write the certificate there.")
+@click.option("--plot", "plot_", metavar="FILE.svg", help="Draw the verified program there.")
+@ask.said_options
+def compile_command(
+    input_: str,
+    output: str,
+    to: str | None,
+    certificate: str | None,
+    plot_: str | None,
+    **asked: Any,
+) -> int:
+    """Source to program: the main job.
+
+    Nothing is written that was not decoded again, stepped on the controller and compared with the
+    drawing.
+    """
+    machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
+    machine = ask.machine_of(asked["profile"], ask.format_of(output, to, machine))
+    outputs = [name for name in (output, certificate, plot_) if name is not None]
+    check_outputs([input_], outputs)
+    if output == "-" and asked["json_"]:
+        raise click.UsageError("--json and the program cannot both be standard output")
+    if plot_ is not None:
+        _check_picture(plot_)
+    made = _compiled(input_, machine, output, asked)
+    if not made.ok:
+        if Path(output).exists() and output != "-":
+            click.echo(f"nothing was written; {output} is as it was", err=True)
+        else:
+            click.echo("nothing was written", err=True)
+        return int(made.status)
+    assert made.data is not None
+    if output == "-" and machine.format != "3b" and click.get_text_stream("stdout").isatty():
+        raise click.UsageError("a binary program is not for a terminal: give -o FILE")
+    from wedmcam.cli import say
+
+    files = [(output, made.data)]
+    if certificate is not None:
+        files.append((certificate, say.certificate_bytes(made.summary)))
+    if plot_ is not None:
+        files.append((plot_, _picture(made, Path(output).name, plot_)))
+    write_outputs(files)
+    if not asked["quiet"]:
+        say.say_report(made, output)
+    if asked["json_"]:
+        say.say_json(made.summary)
+    return 0
+
+
+@cli.command("check")
+@click.argument("input_")
+@click.option("--to", metavar="FORMAT", help="3b (default) or compact.")
+@ask.compile_options
+@ask.said_options
+def check_command(input_: str, to: str | None, **asked: Any) -> int:
+    """Everything but writing."""
+    from wedmcam.cli import say
+
+    machine = ask.machine_of(asked["profile"], to)
+    made = _compiled(input_, machine, "", asked)
+    if made.ok and not asked["quiet"]:
+        say.say_report(made, "(not written)")
+    if asked["json_"]:
+        say.say_json(made.summary)
+    return int(made.status)
+
+
+def _compiled(input_: str, machine: Any, output: str, asked: dict[str, Any]) -> Any:
+    """Compile and print the findings."""
+    from wedmcam import api
+    from wedmcam.cli import say
+
+    ask.check_source(input_, asked["from_"])
+    options = ask.options_of(asked)
+    data = read_input(input_)
+    made = api.compile(
+        data, profile=machine, name=_name(input_), output_name=output, options=options
+    )
+    say.say_findings(made.findings, _name(input_), asked["quiet"])
+    if not made.ok and asked["json_"] and output:
+        say.say_json(made.summary)
+    return made
+
+
+def _name(path: str) -> str:
+    return "stdin" if path == "-" else path
+
+
+@cli.command("verify")
+@click.argument("program")
+@click.option("--against", metavar="INPUT", help="The drawing that the program is to cut.")
+@click.option("--format", "format_", metavar="FORMAT", help="3b or compact; else by name, content.")
+@click.option("--origin", type=POINT, help="Where the program starts in the drawing, X,Y in mm.")
+@click.option(
+    "--certificate",
+    metavar="FILE.json",
+    help="Re-check this certificate where it exists (options and origin come from it); else write "
+    "it there.",
+)
+@click.option("--plot", "plot_", metavar="FILE.svg", help="Draw the program there.")
+@ask.compile_options
+@ask.said_options
+def verify_command(
+    program: str,
+    against: str | None,
+    format_: str | None,
+    origin: tuple[float, float] | None,
+    certificate: str | None,
+    plot_: str | None,
+    **asked: Any,
+) -> int:
+    """Decode a program, run it on the controller's interpolator, compare it with the drawing."""
+    from wedmcam import api
+    from wedmcam.cli import say
+    from wedmcam.options import Options
+
+    issued = _issued(certificate)
+    if issued is not None and against is None:
+        against = _drawing_of(issued, str(certificate))
+    options = ask.options_of(asked)
+    if issued is not None and options == Options(strict=options.strict):
+        options = Options.from_data({**issued.get("options", {}), "strict": options.strict})
+    machine = None
+    if asked["profile"] or format_:
+        machine = ask.machine_of(asked["profile"], format_)
+    elif issued is not None and issued.get("profile"):
+        machine = ask.machine_of(issued["profile"], None)
+    outputs = [name for name in (plot_, None if issued else certificate) if name is not None]
+    check_outputs([program, *([against] if against else [])], outputs)
+    if plot_ is not None:
+        _check_picture(plot_)
+    proof = api.verify(
+        read_input(program),
+        against=None if against is None else read_input(against),
+        profile=machine,
+        name=_name(program),
+        against_name=against,
+        origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
+        certificate=issued,
+        options=options,
+    )
+    say.say_findings(proof.findings, _name(program), asked["quiet"])
+    files = []
+    if certificate is not None and issued is None and proof.ok:
+        files.append((certificate, say.certificate_bytes(proof.summary)))
+    if plot_ is not None and proof.program is not None:
+        files.append((plot_, _picture(proof, Path(program).name, plot_)))
+    write_outputs(files)
+    if asked["json_"]:
+        say.say_json(proof.summary)
+    elif not asked["quiet"]:
+        _say_proof(proof, asked["verbose"])
+    return proof.status
+
+
+def _issued(certificate: str | None) -> dict[str, Any] | None:
+    if certificate is None or not Path(certificate).exists():
+        return None
+    try:
+        data = json.loads(read_input(certificate))
+    except ValueError as why:
+        raise click.UsageError(f"{certificate} is no certificate: {why}") from why
+    if not isinstance(data, dict) or "output_sha256" not in data:
+        raise click.UsageError(f"{certificate} is no certificate of this program")
+    return data
+
+
+def _drawing_of(issued: dict[str, Any], certificate: str) -> str | None:
+    """Return the drawing that a certificate names, beside it or from here; None if not there."""
+    name = str(issued.get("input") or "")
+    for place in (Path(name), Path(certificate).parent / Path(name).name):
+        if name and place.is_file():
+            return str(place)
+    return None
+
+
+def _say_proof(proof: Any, verbose: bool) -> None:
+    from wedmcam.cli import say
+
+    if proof.verdict is not None:
+        v = proof.verdict
+        click.echo(
+            f"contours   {v.contours}, {v.blocks} blocks, {v.steps} steps, {v.path_mm:.3f} mm, "
+            f"starts at ({v.origin_um[0] / 1000:.3f}, {v.origin_um[1] / 1000:.3f}) mm",
+            err=True,
+        )
+        click.echo(say.proof_line(proof), err=True)
+        if verbose:
+            t = v.table
+            click.echo("block    cut        ends at (mm)   error um     right      left", err=True)
+            for k in range(len(t.block)):
+                x, y = t.stepped[k] / 1000
+                click.echo(
+                    f"{t.block[k]:5d} {t.cut[k]:6d} {x:10.3f} {y:10.3f} {t.error[k]:8.2f} "
+                    f"{t.low[k]:9.2f} {t.high[k]:9.2f}",
+                    err=True,
+                )
+    elif proof.program is not None and proof.ok:
+        s = proof.summary
+        click.echo(
+            f"{s['blocks']} blocks, {s['steps']} steps, ends {s['closure_um']:.0f} um from its "
+            "start; give --against DRAWING to prove the part",
+            err=True,
+        )
+
+
+@cli.command("inspect")
+@click.argument("input_")
+@ask.drawing_options
+@click.option("--side", type=ask.SIDES, help="For the largest offset: part (default) or die.")
+@ask.said_options
+def inspect_command(input_: str, **asked: Any) -> int:
+    """What the reader saw: units, size, entities, contours, gaps, the largest offset that fits."""
+    from wedmcam import api
+    from wedmcam.cli import say
+    from wedmcam.cli.tables import say_inspection
+    from wedmcam.ir.plan import Side
+    from wedmcam.options import Options
+
+    ask.check_source(input_, asked["from_"])
+    side = Side.DIE if asked["side"] == "die" else None
+    options = Options(
+        units=asked["units"],
+        layers=asked["layers"],
+        ignore_layers=asked["ignore_layers"],
+        join_um=asked["join_um"],
+        side=side,
+        offset_um=1.0 if side else None,  # a side needs one; it is not used
+        strict=asked["strict"],
+    )
+    seen = api.inspect(read_input(input_), name=_name(input_), options=options)
+    say.say_findings(seen.findings, _name(input_), asked["quiet"])
+    if asked["json_"]:
+        say.say_json(seen.facts)
+    elif seen.drawn is not None:
+        say_inspection(seen.facts, asked["verbose"])
+    return seen.status
+
+
+@cli.command("plot")
+@click.argument("input_", metavar="INPUT-or-PROGRAM")
+@click.option("-o", "--output", required=True, help="FILE.svg or FILE.png; - for SVG to stdout.")
+@click.option("--contours", is_flag=True, help="Only what was drawn; nothing is compiled.")
+@ask.compile_options
+@ask.said_options
+def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
+    """A picture: part, kept material, wire path, thread points, block numbers.
+
+    The wire path of a drawing is that of the verified program. A drawing that is refused is drawn
+    with the places marked.
+    """
+    from wedmcam import api
+    from wedmcam.cli import say
+    from wedmcam.options import FORMAT_OF_SUFFIX, Options
+
+    check_outputs([input_], [output])
+    _check_picture(output)
+    data = read_input(input_)
+    if Path(input_).suffix.lower() in FORMAT_OF_SUFFIX or _is_program(data):
+        machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
+        made: Any = api.verify(data, profile=machine, name=_name(input_), options=Options())
+    elif contours:
+        options = ask.options_of({**asked, "side": None, "offset_um": None})
+        made = api.inspect(data, name=_name(input_), options=options)
+    else:
+        machine = ask.machine_of(asked["profile"], None)
+        made = api.compile(
+            data, profile=machine, name=_name(input_), options=ask.options_of(asked)
+        )
+    say.say_findings(made.findings, _name(input_), asked["quiet"])
+    if getattr(made, "program", None) is None and getattr(made, "drawn", None) is None:
+        return int(made.status)
+    write_outputs([(output, _picture(made, Path(input_).name, output))])
+    return int(made.status)
+
+
+def _is_program(data: bytes) -> bool:
+    from wedmcam.frontends.identify import identify
+
+    return identify(data).format in ("3b", "compact")
+
+
+PICTURES = (".svg", ".png")
+
+
+def _check_picture(name: str) -> None:
+    if name != "-" and Path(name).suffix.lower() not in PICTURES:
+        raise click.UsageError(f"{name}: a picture ends in {' or '.join(PICTURES)}")
+
+
+def _picture(made: Any, title: str, name: str) -> bytes:
+    """Return the picture as the bytes of the format that its name tells."""
+    from wedmcam import api
+
+    svg = api.plot(made, title)
+    if Path(name).suffix.lower() != ".png":
+        return svg.encode("utf-8")
+    import resvg_py
+
+    return bytes(resvg_py.svg_to_bytes(svg_string=svg, zoom=2))
+
+
+@cli.command("identify")
+@click.argument("file")
+@click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
+def identify_command(file: str, json_: bool) -> int:
+    """Which format a file is in."""
+    from wedmcam.cli import say
+    from wedmcam.cli.tables import identification
+    from wedmcam.frontends.identify import identify
+
+    seen = identify(read_input(file))
+    if json_:
+        say.say_json({"file": file, **identification(seen)})
+    else:
+        click.echo(f"{file}: {seen.reason}")
+    return 0 if seen.format != "unknown" else 1
+
+
+@cli.command("dump")
+@click.argument("file")
+@click.option("--format", "format_", metavar="FORMAT", help="3b or compact; else by name, content.")
+@ask.machine_options
+@click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
+def dump_command(file: str, format_: str | None, profile: str | None, json_: bool) -> int:
+    """The blocks of a program, with their addresses and where they end."""
+    from wedmcam import api
+    from wedmcam.cli import say
+    from wedmcam.cli.tables import dump_lines, dump_rows
+    from wedmcam.diag import has_errors
+
+    machine = ask.machine_of(profile, format_) if profile or format_ else None
+    program, used, found = api.read_program(
+        read_input(file), profile=machine, name=_name(file)
+    )
+    say.say_findings(found, _name(file))
+    if program is None:
+        return 1
+    if json_:
+        say.say_json(dump_rows(program, used))
+    else:
+        for line in dump_lines(program, used):
+            click.echo(line)
+    return 1 if has_errors(found) else 0
+
+
+@cli.command("explain")
+@click.argument("code")
+def explain_command(code: str) -> int:
+    """A diagnostic: what it found, why it matters, what to do."""
+    from wedmcam.diag import CODES
+
+    if code not in CODES:
+        import difflib
+
+        near = difflib.get_close_matches(code, CODES, 3, 0.5)
+        hint = f"; did you mean {', '.join(near)}?" if near else ""
+        raise click.UsageError(f"there is no diagnostic '{code}'{hint}")
+    entry = CODES[code]
+    click.echo(f"{code}\n  what   {entry.what}\n  why    {entry.why}\n  cure   {entry.cure}")
+    return 0
+
+
+@cli.group("profile")
+def profile_group() -> None:
+    """Controllers and dialects."""
+
+
+@profile_group.command("list")
+def profile_list() -> int:
+    """The built-in profiles."""
+    from wedmcam import machines
+
+    for name in machines.names():
+        machine = machines.builtin(name)
+        mark = " (default)" if machines.DEFAULTS.get(machine.format) == name else ""
+        click.echo(f"{name:12}  {machine.format:8}  {machine.title}{mark}")
+    return 0
+
+
+@profile_group.command("show")
+@click.argument("name")
+def profile_show(name: str) -> int:
+    """The TOML of a built-in profile, to start one of your own from."""
+    from wedmcam import machines
+
+    if name not in machines.names():
+        ask.machine_of(name, None)
+    click.echo(machines.text(name), nl=False)
+    return 0
+
+
+@profile_group.command("check")
+@click.argument("file")
+def profile_check(file: str) -> int:
+    """Whether a profile can be used."""
+    from wedmcam import machines
+    from wedmcam.cli import say
+
+    text = read_input(file).decode("utf-8", "replace")
+    machine, found = machines.parse(text, Path(file).stem)
+    say.say_findings(found, file)
+    if machine is None:
+        return 2
+    click.echo(f"{file}: {machine.format}, {machine.title}")
+    return 0

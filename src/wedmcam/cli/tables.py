@@ -1,0 +1,114 @@
+"""Tables on standard output: what ``inspect``, ``dump`` and ``identify`` tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from wedmcam.frontends.identify import Identification
+    from wedmcam.ir.program import Program
+    from wedmcam.machines import Machine
+
+
+def identification(seen: Identification) -> dict[str, Any]:
+    """Return an identification as plain data."""
+    return asdict(seen)
+
+
+def dump_rows(program: Program, machine: Machine) -> list[dict[str, Any]]:
+    """Return the blocks of a program as plain data."""
+    from wedmcam.frontends.dump import dump
+
+    return [asdict(row) for row in dump(program, machine)]
+
+
+def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
+    """Yield the blocks of a program as a table."""
+    from wedmcam.frontends.dump import dump
+
+    yield "block  where    kind   Z          X          Y  G            J      end x      end y"
+    for r in dump(program, machine):
+        if r.count is None:
+            yield f"{r.number:5d}  {r.where:8} {r.kind}"
+        else:
+            end = f"{r.end[0]:10d} {r.end[1]:10d}" if r.steps >= 0 else "    never ends"
+            yield (
+                f"{r.number:5d}  {r.where:8} {r.kind:6} {r.instruction:3} {r.x:10d} {r.y:10d}  "
+                f"{r.axis:6} {r.count:7d} {end}"
+            )
+
+
+def _counted(census: dict[str, dict[str, int]]) -> str:
+    """Return '14 LINE, 3 ARC (layers CUT, 0)'."""
+    parts = [f"{sum(layers.values())} {kind}" for kind, layers in sorted(census.items())]
+    names = sorted({name for layers in census.values() for name in layers})
+    return f"{', '.join(parts)} (layers {', '.join(names)})" if parts else "none"
+
+
+def _pair(values: list[float], decimals: int = 3) -> str:
+    return " x ".join(f"{v:.{decimals}f}" for v in values)
+
+
+def _at(values: list[float]) -> str:
+    return f"({values[0]:.3f}, {values[1]:.3f})"
+
+
+def say_inspection(f: dict[str, Any], verbose: bool) -> None:
+    """Print the facts of a drawing."""
+    rows = [
+        ("file", f"{f['input']}  {f['version']}"),
+        ("units", f"{f['units']} ({f['units_from']})"),
+        ("size", f"{_pair(f['size_mm'])} mm = {_pair(f['size_inch'], 4)} in"),
+        ("extents", f"{_at(f['extents_mm'][:2])} to {_at(f['extents_mm'][2:])} mm"),
+        ("read", _counted(f["entities"])),
+        ("not cut", _counted(f["ignored"])),
+        (
+            "contours",
+            f"{f['outer']} outer, {f['holes']} holes, {f['open']} open, "
+            f"{f['length_mm']:.3f} mm in all",
+        ),
+        (
+            "repairs",
+            f"{f['joins']} joins (largest shift {f['largest_join_um']} um), "
+            f"{f['duplicates']} duplicates, {f['zero_length']} without length",
+        ),
+    ]
+    if f["thread_points_mm"]:
+        points = ", ".join(_at(p) for p in f["thread_points_mm"][:8])
+        more = len(f["thread_points_mm"]) - 8
+        rows.append(("thread", points + (f" and {more} more" if more > 0 else "")))
+    smallest = f["smallest_radius"]
+    if smallest:
+        text = f"{smallest['radius_mm']:.3f} mm at {_at(smallest['center_mm'])}"
+        rows.append(("smallest", f"radius {text}  {smallest['where']}"))
+    largest = f["largest_offset"]
+    if largest:
+        text = f"{largest['offset_mm']:.3f} mm with --side {largest['side']}"
+        if largest["limited_by"]:
+            what = {
+                "radius": "an inside radius",
+                "passage": "a narrow place",
+                "neighbour": "another contour near",
+                "vanished": "the size of a contour",
+            }.get(largest["limited_by"], largest["limited_by"])
+            text += f", limited by {what} at {_at(largest['at_mm'])}  {largest['where'] or ''}"
+        else:
+            text += " or more"
+        rows.append(("offset up to", text.rstrip()))
+    for name, text in rows:
+        click.echo(f"{name:13}{text}")
+    listed = f["list"] if verbose else f["list"][:20]
+    for c in listed:
+        inside = f" in {c['inside']}" if c["inside"] else ""
+        area = f", {c['area_mm2']:.3f} mm2" if c["area_mm2"] is not None else ""
+        click.echo(
+            f"{c['number']:5d} {c['role']}{inside}: {c['lines']} lines, {c['arcs']} arcs, "
+            f"{c['length_mm']:.3f} mm{area}, {_at(c['extents_mm'][:2])} to "
+            f"{_at(c['extents_mm'][2:])}  {c['first'] or ''}"
+        )
+    if len(f["list"]) > len(listed):
+        click.echo(f"      and {len(f['list']) - len(listed)} more (-v lists all)")

@@ -1,0 +1,45 @@
+"""Findings as text for people: place, severity, code, sentence, notes, hint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from wedmcam.diag.finding import Diagnostic, Severity
+from wedmcam.diag.span import EntityRef
+
+COLOURS = {Severity.ERROR: "31;1", Severity.WARNING: "33;1", Severity.NOTE: "36"}
+
+
+def merged(found: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Return the findings with equal ones (same code, place and sentence) counted as one."""
+    seen: dict[tuple[object, ...], Diagnostic] = {}
+    for d in found:
+        key = (d.severity, d.code, d.message, str(d.span))
+        seen[key] = replace(seen[key], count=seen[key].count + d.count) if key in seen else d
+    return list(seen.values())
+
+
+def render(found: Diagnostic, file: str = "", colour: bool = False) -> str:
+    """Return one finding as lines.
+
+    ``file`` stands where the finding has no place of its own.
+
+    >>> from wedmcam.diag import EntityRef, error
+    >>> print(render(error("open-contour", "ends 0.137 mm short", EntityRef("a.dxf", "2F", "ARC",
+    ...     "CUT"), hint="--join 0.15")))
+    a.dxf:#2F layer CUT: error[open-contour]: ends 0.137 mm short
+      hint: --join 0.15
+    """
+    place = str(found.span) if found.span is not None else file
+    head = f"{found.severity}[{found.code}]"
+    if colour:
+        head = f"\x1b[{COLOURS[found.severity]}m{head}\x1b[0m"
+    times = f" (x {found.count})" if found.count > 1 else ""
+    lines = [f"{place}: {head}: {found.message}{times}" if place else f"{head}: {found.message}"]
+    for text, span in found.notes:
+        kind = f"{span.dxftype} " if isinstance(span, EntityRef) else ""
+        lines.append(f"  = {text}" + (f" ({kind}{span})" if span is not None else ""))
+    if found.hint:
+        lines.append(f"  hint: {found.hint}")
+    return "\n".join(lines)

@@ -1,0 +1,378 @@
+"""Blocks are put where they are inserted, and layers decide what is cut.
+
+A block becomes a heap once, however often it is inserted; each copy is an affine transform of that
+heap's arrays. Transforms are our own and not ezdxf's ``virtual_entities``: those divide by a z
+scale of 0, and their children have lost their handles.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import EntityRef
+from wedmcam.frontends.dxf.shapes import Heap, Insert, gather
+from wedmcam.ir.sketch import SEGMENT, ThreadPoint
+
+Rows = NDArray[np.void]
+Matrix = tuple[float, float, float, float, float, float]
+IDENTITY: Matrix = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+
+#: A circle on layer START up to this radius is a thread point, um.
+START_RADIUS_UM = 1500.0
+#: Two axes are equally scaled and square to each other within this share.
+SIMILAR = 1e-9
+#: More copies of blocks, or segments, than this are no part.
+MOST_COPIES, MOST_SEGMENTS = 200_000, 4_000_000
+
+
+class Fate(Enum):
+    """What becomes of entities on a layer."""
+
+    CUT = "cut"
+    HIDDEN = "hidden"
+    LEFT_OUT = "left out"
+    START = "start"
+
+
+class Layers:
+    """What becomes of each layer: by its state in the drawing and by the user's filters."""
+
+    def __init__(self, table: Any, take: tuple[str, ...], ignore: tuple[str, ...]) -> None:
+        self._off: set[str] = set()
+        self._frozen: set[str] = set()
+        for layer in table:
+            name = str(layer.dxf.get("name", "")).casefold()
+            if layer.dxf.get("color", 7) < 0:
+                self._off.add(name)
+            if layer.dxf.get("flags", 0) & 1:
+                self._frozen.add(name)
+        self._take = tuple(p.casefold() for p in take)
+        self._ignore = tuple(p.casefold() for p in ignore)
+        self._fates: dict[str, Fate] = {}
+
+    def frozen(self, layer: str) -> bool:
+        """Return whether a layer is frozen: then whole blocks on it are not shown."""
+        return layer.casefold() in self._frozen
+
+    def fate(self, layer: str) -> Fate:
+        """Return what becomes of entities on a layer."""
+        if layer not in self._fates:
+            self._fates[layer] = self._decide(layer.casefold())
+        return self._fates[layer]
+
+    def _decide(self, name: str) -> Fate:
+        if name in self._off or name in self._frozen or name == "defpoints":
+            return Fate.HIDDEN
+        if any(fnmatch.fnmatchcase(name, p) for p in self._ignore):
+            return Fate.LEFT_OUT
+        if name == "start":
+            return Fate.START
+        if self._take and not any(fnmatch.fnmatchcase(name, p) for p in self._take):
+            return Fate.LEFT_OUT
+        return Fate.CUT
+
+
+Census = Counter[tuple[str, str]]
+
+
+@dataclass(slots=True)
+class Placement:
+    """What a drawing comes to.
+
+    Attributes:
+        sources: where each entity with segments came from; some may be filtered out.
+        points: thread points.
+        cut: (type, layer) -> how many entities were read as geometry.
+        others: likewise what is never cut: text and the like.
+        hidden: likewise what the drawing does not show.
+        left_out: likewise what the user's filters leave out.
+        no_points: likewise what is on layer START and is no thread point.
+        problems: (code, text) -> the entities that have it, each once.
+        too_large: whether copying stopped at a limit.
+    """
+
+    sources: list[EntityRef] = field(default_factory=list)
+    points: list[ThreadPoint] = field(default_factory=list)
+    cut: Census = field(default_factory=Counter)
+    others: Census = field(default_factory=Counter)
+    hidden: Census = field(default_factory=Counter)
+    left_out: Census = field(default_factory=Counter)
+    no_points: Census = field(default_factory=Counter)
+    problems: dict[tuple[str, str], dict[EntityRef, None]] = field(default_factory=dict)
+    dropped: dict[EntityRef, None] = field(default_factory=dict)
+    widths: dict[EntityRef, None] = field(default_factory=dict)
+    too_large: EntityRef | None = None
+
+    def problem(self, code: str, text: str, ref: EntityRef) -> None:
+        """Note that something is wrong with an entity."""
+        self.problems.setdefault((code, text), {}).setdefault(ref)
+
+
+@dataclass(frozen=True, slots=True)
+class _Copy:
+    """A heap somewhere: how it is transformed, by which INSERTs, and what layer 0 means in it."""
+
+    heap: Heap
+    matrix: Matrix
+    via: tuple[str, ...]
+    names: tuple[str, ...]
+    layer: str
+    hidden: bool
+
+
+@dataclass(slots=True)
+class _Batch:
+    """The copies of one heap: all are transformed at once."""
+
+    heap: Heap
+    matrices: list[Matrix] = field(default_factory=list)
+    first: list[int] = field(default_factory=list)
+    keep: list[NDArray[np.bool_] | None] = field(default_factory=list)
+
+    def rows(self, scale: float) -> Rows:
+        """Return the segments of all copies."""
+        segments = self.heap.segments
+        if self.matrices == [IDENTITY]:
+            out = segments.copy()
+        else:
+            out = _transformed(segments, np.array(self.matrices), scale)
+        out["source"] = (np.array(self.first)[:, None] + self.heap.rank).ravel()
+        if all(k is None for k in self.keep):
+            return out
+        whole = np.ones(len(segments), np.bool_)
+        kept: Rows = out[np.concatenate([whole if k is None else k for k in self.keep])]
+        return kept
+
+
+class Placer:
+    """Puts heaps where they belong; `placed` holds the result."""
+
+    def __init__(self, doc: Any, scale: float, layers: Layers, file: str) -> None:
+        self._doc, self._scale, self._layers, self._file = doc, scale, layers, file
+        self._blocks: dict[str, tuple[Heap, float, float] | None] = {}
+        self._batches: dict[int, _Batch] = {}
+        self._copies = 0
+        self._segments = 0
+        self.placed = Placement()
+
+    def place(self, heap: Heap) -> None:
+        """Put a heap, and every block inserted in it, in depth first order."""
+        stack = [_Copy(heap, IDENTITY, (), (), "0", False)]
+        while stack and self.placed.too_large is None:
+            copy = stack.pop()
+            self._put(copy)
+            stack += reversed(list(self._inserted(copy)))
+
+    def _ref(self, copy: _Copy, at: int) -> EntityRef:
+        kind, handle, layer = copy.heap.entities[at]
+        layer = copy.layer if layer == "0" else layer
+        return EntityRef(self._file, handle, kind, layer, copy.via)
+
+    def _fates(self, copy: _Copy) -> list[Fate]:
+        """Return what becomes of each entity of a copy."""
+        fates = []
+        for at, (_, _, layer) in enumerate(copy.heap.entities):
+            fate = self._layers.fate(copy.layer if layer == "0" else layer)
+            hidden = copy.hidden or at in copy.heap.invisible
+            fates.append(Fate.HIDDEN if hidden else fate)
+        return fates
+
+    def _put(self, copy: _Copy) -> None:
+        out, heap = self.placed, copy.heap
+        fates = self._fates(copy)
+        blocks = {i.entity for i in heap.inserts}
+        bad = {p.entity for p in heap.problems if p.code not in ("full-arc", "clipped-block")}
+        books = {Fate.CUT: out.cut, Fate.HIDDEN: out.hidden, Fate.LEFT_OUT: out.left_out}
+        points = {p[0] for p in heap.points}
+        for at, (kind, _, layer) in enumerate(heap.entities):
+            fate = fates[at]
+            if at in blocks or fate is Fate.START:
+                continue
+            book = books[fate]
+            if fate is Fate.CUT and (at in points or at in bad):
+                if at in bad:
+                    continue
+                book = out.others
+            book[kind, copy.layer if layer == "0" else layer] += 1
+        for (kind, layer), count in heap.others.items():
+            layer = copy.layer if layer == "0" else layer
+            fate = Fate.HIDDEN if copy.hidden else self._layers.fate(layer)
+            book = books.get(fate, out.no_points)
+            (out.others if fate is Fate.CUT else book)[kind, layer] += count
+        for problem in heap.problems:
+            if fates[problem.entity] is Fate.CUT:
+                out.problem(problem.code, problem.text, self._ref(copy, problem.entity))
+        for at in heap.dropped:
+            if fates[at] is Fate.CUT:
+                out.dropped.setdefault(self._ref(copy, at))
+        for at in heap.widths:
+            if fates[at] is Fate.CUT:
+                out.widths.setdefault(self._ref(copy, at))
+        if Fate.START in fates:
+            self._thread_points(copy, fates)
+        if not len(heap.segments):
+            return
+        keep = None
+        if any(f is not Fate.CUT for f in fates):
+            keep = np.array([f is Fate.CUT for f in fates])[heap.segments["source"]]
+            if not keep.any():
+                return
+        if heap.curved and not _similar(copy.matrix):
+            out.problem("unequal-scale", "", self._via_ref(copy))
+            return
+        batch = self._batches.setdefault(id(heap), _Batch(heap))
+        batch.matrices.append(copy.matrix)
+        batch.first.append(len(out.sources))
+        batch.keep.append(keep)
+        out.sources += [self._ref(copy, at) for at in heap.used.tolist()]
+        self._segments += len(heap.segments)
+        if self._segments > MOST_SEGMENTS:
+            out.too_large = self._ref(copy, int(heap.used[0]))
+
+    def rows(self) -> Rows:
+        """Return all segments, um, copies of a block together; ``source`` as in `placed`."""
+        parts = [np.zeros(0, SEGMENT)]
+        parts += [b.rows(self._scale) for b in self._batches.values()]
+        return np.concatenate(parts)
+
+    def _via_ref(self, copy: _Copy) -> EntityRef:
+        """Return the INSERT that made a copy."""
+        return EntityRef(self._file, copy.via[-1], "INSERT", copy.layer, copy.via[:-1])
+
+    def _thread_points(self, copy: _Copy, fates: list[Fate]) -> None:
+        """Take points and small circles on layer START."""
+        out, heap = self.placed, copy.heap
+        taken = set()
+        rows = _transformed(heap.segments, np.array([copy.matrix]), self._scale)
+        a, b, c, d, e, f = copy.matrix
+        for at, x, y in heap.points:
+            if fates[at] is Fate.START:
+                taken.add(at)
+                px, py = a * x + c * y + e * self._scale, b * x + d * y + f * self._scale
+                self._thread(px, py, self._ref(copy, at))
+        whole = (rows["turn"] != 0) & (rows["x0"] == rows["x1"]) & (rows["y0"] == rows["y1"])
+        for row in rows[whole]:
+            at = int(row["source"])
+            if fates[at] is Fate.START and row["x0"] - row["cx"] <= START_RADIUS_UM:
+                taken.add(at)
+                self._thread(float(row["cx"]), float(row["cy"]), self._ref(copy, at))
+        blocks = {i.entity for i in heap.inserts}
+        for at, (kind, _, layer) in enumerate(heap.entities):
+            if fates[at] is Fate.START and at not in taken and at not in blocks:
+                out.no_points[kind, copy.layer if layer == "0" else layer] += 1
+
+    def _thread(self, x: float, y: float, ref: EntityRef) -> None:
+        if np.isfinite(x) and np.isfinite(y):
+            self.placed.points.append(ThreadPoint(x, y, ref))
+        else:
+            self.placed.problem("bad-number", "", ref)
+
+    def _inserted(self, copy: _Copy) -> Iterator[_Copy]:
+        """Yield the copies that the INSERTs of a copy ask for."""
+        out = self.placed
+        for insert in copy.heap.inserts:
+            ref = self._ref(copy, insert.entity)
+            invisible = insert.entity in copy.heap.invisible
+            hidden = copy.hidden or invisible or self._layers.frozen(ref.layer)
+            if insert.attributes:
+                shown = not hidden and self._layers.fate(ref.layer) is Fate.CUT
+                (out.others if shown else out.hidden)["ATTRIB", ref.layer] += insert.attributes
+            key = insert.name.casefold()
+            if key in copy.names:
+                chain = " in ".join((insert.name, *reversed(copy.names[copy.names.index(key) :])))
+                out.problem("block-cycle", chain, ref)
+                continue
+            block = self._block(insert.name)
+            if block is None:
+                if not hidden:
+                    out.problem("missing-block", insert.name, ref)
+                continue
+            heap, bx, by = block
+            copies = insert.columns * insert.rows
+            self._copies += copies
+            if self._copies > MOST_COPIES:
+                out.too_large = ref
+                return
+            via, names = (*copy.via, ref.handle), (*copy.names, key)
+            for column, row in _grid(insert):
+                m = _local(insert, column, row, bx, by)
+                yield _Copy(heap, _times(copy.matrix, m), via, names, ref.layer, hidden)
+
+    def _block(self, name: str) -> tuple[Heap, float, float] | None:
+        """Return the heap of a block and its base point; None where the drawing has no such."""
+        key = name.casefold()
+        if key not in self._blocks:
+            layout = self._doc.blocks.get(name)
+            if layout is None or layout.block is None or layout.block.is_xref:
+                self._blocks[key] = None
+            else:
+                x, y, _ = layout.block.dxf.get("base_point", (0.0, 0.0, 0.0))
+                self._blocks[key] = gather(layout, self._scale), x, y
+        return self._blocks[key]
+
+
+def _grid(insert: Insert) -> Iterator[tuple[int, int]]:
+    for row in range(insert.rows):
+        for column in range(insert.columns):
+            yield column, row
+
+
+def _local(insert: Insert, column: int, row: int, bx: float, by: float) -> Matrix:
+    """Return the transform from a block's frame into that of its INSERT's heap."""
+    a, b, c, d, e, f = insert.matrix
+    ax, ay, ux, uy = insert.step
+    e += column * ax + row * ux - (a * bx + c * by)
+    f += column * ay + row * uy - (b * bx + d * by)
+    return (a, b, c, d, e, f)
+
+
+def _times(outer: Matrix, inner: Matrix) -> Matrix:
+    """Return the transform that does ``inner`` first."""
+    a, b, c, d, e, f = outer
+    p, q, r, s, t, u = inner
+    return (
+        a * p + c * q,
+        b * p + d * q,
+        a * r + c * s,
+        b * r + d * s,
+        a * t + c * u + e,
+        b * t + d * u + f,
+    )
+
+
+def _similar(m: Matrix) -> bool:
+    """Return whether a transform keeps circles circles."""
+    a, b, c, d, _, _ = m
+    size = a * a + b * b
+    return abs(size - (c * c + d * d)) <= SIMILAR * size and abs(a * c + b * d) <= SIMILAR * size
+
+
+def _transformed(rows: Rows, matrices: NDArray[np.float64], scale: float) -> Rows:
+    """Return the segments under each transform; circles start at their right-most point again."""
+    out = np.tile(rows, len(matrices))
+    a, b, c, d, e, f = (matrices[:, k : k + 1] for k in range(6))
+    with np.errstate(all="ignore"):
+        for x, y in (("x0", "y0"), ("x1", "y1"), ("cx", "cy")):
+            out[x] = (a * rows[x] + c * rows[y] + e * scale).ravel()
+            out[y] = (b * rows[x] + d * rows[y] + f * scale).ravel()
+        mirrored = (a * d - b * c < 0) & (rows["turn"] != 0)
+        size = np.hypot(a, b) * (rows["x0"] - rows["cx"])
+    line = np.tile(rows["turn"] == 0, len(matrices))
+    out["cx"] = np.where(line, 0.0, out["cx"])
+    out["cy"] = np.where(line, 0.0, out["cy"])
+    out["turn"] = np.where(mirrored.ravel(), -out["turn"], out["turn"])
+    whole = (rows["turn"] != 0) & (rows["x0"] == rows["x1"]) & (rows["y0"] == rows["y1"])
+    if whole.any():
+        ring = np.tile(whole, len(matrices))
+        out["x0"][ring] = out["x1"][ring] = out["cx"][ring] + size.ravel()[ring]
+        out["y0"][ring] = out["y1"][ring] = out["cy"][ring]
+        out["turn"][ring] = 1
+    return out

@@ -1,0 +1,295 @@
+"""The whole of reading a DXF drawing: bytes in, a sketch and what was found on the way out.
+
+Nothing is dropped in silence: what is not cut is counted by type and layer, what would be cut wrong
+is an error with its handle, and what was put right is said.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
+from wedmcam.frontends.dxf import units
+from wedmcam.frontends.dxf.load import GEOMETRY, Loaded, load
+from wedmcam.frontends.dxf.place import Census, Layers, Placement, Placer
+from wedmcam.frontends.dxf.shapes import FARTHEST_UM, gather
+from wedmcam.ir.sketch import Sketch, SketchInfo
+
+Rows = NDArray[np.void]
+
+#: How many handles a finding about many entities names.
+NAMED = 5
+
+
+@dataclass(frozen=True, slots=True)
+class DxfOptions:
+    """How to read a drawing.
+
+    Attributes:
+        units: "mm", "um" or "inch": what one drawing unit is, whatever the drawing says; None to
+            go by the drawing.
+        fill_in_units: ``units`` only stands in where the drawing says none (``batch``).
+        layers: patterns (``*``, ``?``, any case) of layers to take; none: all.
+        ignore_layers: patterns of layers to leave out; they win.
+    """
+
+    units: str | None = None
+    fill_in_units: bool = False
+    layers: tuple[str, ...] = ()
+    ignore_layers: tuple[str, ...] = ()
+
+
+def read(
+    data: bytes, file: str, options: DxfOptions | None = None
+) -> tuple[Sketch | None, tuple[Diagnostic, ...]]:
+    """Return the lines and arcs of a DXF drawing, in um, drawing coordinates.
+
+    Args:
+        data: the file, text or binary DXF of any version that ezdxf reads.
+        file: its name, for the findings.
+        options: units and layers.
+
+    Returns:
+        The sketch, and findings. The sketch is None where the file cannot be read or nobody says
+        its units; with any other error it holds what could be read, for a look at it. A sketch
+        that comes with errors must not be cut. Segments are in order of entity, blocks after the
+        layout or block that inserts them. Never raises, whatever the bytes.
+    """
+    options = options or DxfOptions()
+    assert options.units is None or options.units in units.ASKED, options.units
+    loaded, found_loading = load(data, file)
+    if loaded is None:
+        return None, found_loading
+    found = list(found_loading)
+    header = loaded.header
+    unit, said = units.choose(
+        header.insunits, header.measurement, options.units, options.fill_in_units, file
+    )
+    found += said
+    layers = Layers(loaded.doc.layers, options.layers, options.ignore_layers)
+    # Without units the size is still wanted, in drawing units: 1000 um each, printed as mm.
+    placer = Placer(loaded.doc, unit.scale or 1000.0, layers, file)
+    placer.place(gather(loaded.doc.modelspace(), unit.scale or 1000.0))
+    placed = placer.placed
+    rows = _finite(placer.rows(), placed)
+    found += _problems(placed)
+    found += _said(placed, _paper_space(loaded.doc), file)
+    if not len(rows) and not has_errors(found):
+        found.append(_empty(placed, loaded.doc, options, file))
+    width, height = _size(rows)
+    if not unit.scale:
+        found.append(units.missing(width / 1000.0, height / 1000.0, header.insunits, file))
+        return None, tuple(found)
+    doubt = units.doubt(unit, width, height, file) if len(rows) else None
+    if doubt is not None:
+        found.append(doubt)
+    info = _info(loaded, placed, unit)
+    return Sketch(rows, tuple(placed.sources), tuple(placed.points), info), tuple(found)
+
+
+def _finite(rows: Rows, placed: Placement) -> Rows:
+    """Drop rows that a block's scale has thrown out of any range, and say so."""
+    size = np.zeros(len(rows))
+    for name in ("x0", "y0", "x1", "y1", "cx", "cy"):
+        size = np.maximum(size, np.abs(rows[name]))
+    good = size <= FARTHEST_UM
+    for at in np.unique(rows["source"][~good]).tolist():
+        placed.problem("bad-number", "", placed.sources[at])
+    return rows if good.all() else rows[good]
+
+
+def _size(rows: Rows) -> tuple[float, float]:
+    """Return width and height of the drawing, um, arcs exact."""
+    if not len(rows):
+        return 0.0, 0.0
+    sides = []
+    start = np.arctan2(rows["y0"] - rows["cy"], rows["x0"] - rows["cx"])
+    end = np.arctan2(rows["y1"] - rows["cy"], rows["x1"] - rows["cx"])
+    full = (rows["x0"] == rows["x1"]) & (rows["y0"] == rows["y1"])
+    sweep = np.where(full, 2 * np.pi, np.mod((end - start) * rows["turn"], 2 * np.pi))
+    radius = np.hypot(rows["x0"] - rows["cx"], rows["y0"] - rows["cy"])
+    for axis, quarter in (("x", 0.0), ("y", 0.5 * np.pi)):
+        low = np.minimum(rows[f"{axis}0"], rows[f"{axis}1"])
+        high = np.maximum(rows[f"{axis}0"], rows[f"{axis}1"])
+        for angle, sign in ((quarter, 1.0), (quarter + np.pi, -1.0)):
+            passed = (rows["turn"] != 0) & (
+                np.mod((angle - start) * rows["turn"], 2 * np.pi) <= sweep
+            )
+            apex = rows[f"c{axis}"] + sign * radius
+            low = np.where(passed, np.minimum(low, apex), low)
+            high = np.where(passed, np.maximum(high, apex), high)
+        sides.append(float(high.max() - low.min()))
+    return sides[0], sides[1]
+
+
+# --- what was found -------------------------------------------------------------------------
+
+#: For each code: how to say it of n entities of a type, and a hint. {n} {what} {text}.
+_SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
+    "unsupported-entity": (
+        error,
+        "{n} cannot be read yet",
+        "convert into lines and arcs, or leave the layer out with --ignore-layer",
+    ),
+    "tilted": (error, "{n} tilted out of the drawing plane (extrusion vector)", "lay it flat"),
+    "not-flat": (error, "{n} not parallel to the drawing plane: the height changes", "lay it flat"),
+    "bad-bulge": (error, "{n} with a bulge that is a full circle but for nothing", None),
+    "bad-number": (error, "{n} with a coordinate that is no number, or beyond 1000 km", None),
+    "damaged-drawing": (error, "{n} that cannot be understood: {text}", None),
+    "missing-block": (
+        error,
+        "{n} of block {text}, which is not in the drawing",
+        "bind external references before exporting",
+    ),
+    "block-cycle": (error, "block inserts itself: {text}", None),
+    "unequal-scale": (
+        error,
+        "{n} with different scales in x and y, of a block with arcs",
+        "explode the block in the CAD program",
+    ),
+    "clipped-block": (
+        warning,
+        "{n} with a clipping boundary, which is not applied: the whole block is taken",
+        None,
+    ),
+    "full-arc": (
+        warning,
+        "{n} whose start and end angle are equal: taken as a full circle",
+        "draw a CIRCLE",
+    ),
+}
+
+
+def _problems(placed: Placement) -> list[Diagnostic]:
+    """Return one finding for each kind of problem and type of entity."""
+    found = []
+    groups: dict[tuple[str, str, str], list[EntityRef]] = {}
+    for (code, text), refs in placed.problems.items():
+        for ref in refs:
+            groups.setdefault((code, text, ref.dxftype), []).append(ref)
+    for (code, text, kind), spans in groups.items():
+        make, saying, hint = _SAYING[code]
+        message = saying.format(n=f"{len(spans)} {kind}", text=text) + _handles(spans)
+        found.append(make(code, message, spans[0], hint=hint, count=len(spans)))
+    if placed.too_large is not None:
+        text = "blocks inserted in blocks come to millions of segments; reading stopped"
+        found.append(error("too-large", text, placed.too_large))
+    return found
+
+
+def _handles(spans: Iterable[EntityRef]) -> str:
+    """Return the handles of the first entities, for the end of a sentence."""
+    names = ["#" + "/".join((*s.via, s.handle)) for s in spans]
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return f" ({', '.join(names[:NAMED])}{more})"
+
+
+def _said(placed: Placement, paper: int, file: str) -> list[Diagnostic]:
+    """Return the findings about what was left out or simplified, each kind once."""
+    where = FileSpan(file)
+    found = []
+    for make, code, census, words in (
+        (warning, "not-cut", placed.others, "not cut"),
+        (warning, "hidden-not-cut", placed.hidden, "hidden in the drawing and not cut"),
+        (note, "layer-left-out", placed.left_out, "on layers left out"),
+        (warning, "start-layer", placed.no_points, "on layer START that are no thread points"),
+    ):
+        if census:
+            found.append(make(code, _counted(census, words), where, count=census.total()))
+    if paper:
+        found.append(
+            note("not-cut", f"{paper} entities in paper space not cut", where, count=paper)
+        )
+    for code, refs, words in (
+        ("zero-length", placed.dropped, "with pieces without length, dropped"),
+        ("polyline-width", placed.widths, "with a width: its centre line is taken"),
+    ):
+        if refs:
+            spans = list(refs)
+            many = f"{len(spans)} {'entity' if len(spans) == 1 else 'entities'} {words}"
+            found.append(note(code, many + _handles(spans), spans[0], count=len(spans)))
+    return found
+
+
+def _counted(census: Census, words: str) -> str:
+    """Return e.g. '7 entities not cut: 4 DIMENSION, 2 HATCH, 1 TEXT (layers 0, DIM)'.
+
+    >>> _counted(Counter({("HATCH", "0"): 2, ("TEXT", "DIM"): 1}), "not cut")
+    '3 entities not cut: 2 HATCH, 1 TEXT (layers 0, DIM)'
+    """
+    kinds: Counter[str] = Counter()
+    for (kind, _), count in census.items():
+        kinds[kind] += count
+    layers = sorted({layer for _, layer in census})
+    by_kind = ", ".join(f"{n} {k}" for k, n in sorted(kinds.items(), key=lambda i: (-i[1], i[0])))
+    named = ", ".join(layers[:8]) + (f" and {len(layers) - 8} more" if len(layers) > 8 else "")
+    total = census.total()
+    return (
+        f"{total} {'entity' if total == 1 else 'entities'} {words}: {by_kind} "
+        f"(layer{'s' if len(layers) > 1 else ''} {named})"
+    )
+
+
+def _paper_space(doc: Any) -> int:
+    """Return how many geometric entities the sheets hold."""
+    return sum(
+        entity.dxftype() in GEOMETRY
+        for layout in doc.layouts
+        if layout.name != "Model"
+        for entity in layout
+    )
+
+
+def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagnostic:
+    """Return the error about a drawing with nothing to cut, with the likeliest reason."""
+    paper = _paper_space(doc)
+    hint = None
+    if placed.left_out:
+        layers = ", ".join(sorted({layer for _, layer in placed.left_out}))
+        why = f"all geometry is on layers left out ({layers})"
+        hint = "check --layer and --ignore-layer"
+    elif placed.hidden:
+        why, hint = "what it holds is hidden", "switch the layers on"
+    elif paper:
+        why = f"model space is empty; all {paper} entities are in paper space"
+        hint = "copy the geometry into model space"
+    elif placed.others:
+        why = "it holds no lines, arcs or polylines"
+    else:
+        why = "model space is empty"
+    return error(
+        "empty-drawing", f"nothing to cut in the drawing: {why}", FileSpan(file), hint=hint
+    )
+
+
+def _info(loaded: Loaded, placed: Placement, unit: units.Unit) -> SketchInfo:
+    """Return what was seen, for ``inspect``."""
+    ignored: Census = Counter()
+    for census in (placed.others, placed.hidden, placed.left_out, placed.no_points):
+        ignored += census
+    extra: dict[str, Any] = {"binary": True} if loaded.binary else {}
+    if loaded.header.insunits is not None:
+        extra["$INSUNITS"] = loaded.header.insunits
+    if loaded.header.measurement is not None:
+        extra["$MEASUREMENT"] = loaded.header.measurement
+    return SketchInfo(
+        units=unit.name,
+        units_from=unit.stated_by,
+        entities=_by_type(placed.cut),
+        ignored=_by_type(ignored),
+        version=loaded.header.version or "",
+        extra=extra,
+    )
+
+
+def _by_type(census: Census) -> dict[str, dict[str, int]]:
+    out: dict[str, dict[str, int]] = {}
+    for (kind, layer), count in sorted(census.items()):
+        out.setdefault(kind, {})[layer] = count
+    return out

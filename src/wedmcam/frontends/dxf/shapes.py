@@ -1,0 +1,417 @@
+"""What each kind of entity is as lines and arcs: a table of small converters.
+
+A model space or a block becomes a `Heap` once, in its own frame: raw figures are gathered into
+lists entity by entity, then turned into segments by array operations. A later stage adds an entity
+type by adding a converter to `CONVERTERS`.
+
+Frames: LINE and POINT state world coordinates. ARC, CIRCLE, LWPOLYLINE and 2D POLYLINE state them
+in a frame of their own (OCS) that the extrusion vector sets. For (0, 0, -1), which mirroring in a
+CAD program leaves behind, that frame has its x axis reversed, so x changes its sign and
+counter-clockwise becomes clockwise. Any other tilt is refused.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.ir.sketch import SEGMENT
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.void]
+#: Any ezdxf entity. ezdxf is imported when a drawing is read and not before, and its attributes
+#: are dynamic, so there is no better type.
+Entity = Any
+
+#: Largest sine of the tilt of an extrusion vector that still counts as none: 1 nm over 1 m.
+UPRIGHT = 1e-9
+#: Largest change of height along a line, um: below the grid of the machine.
+LEVEL_UM = 1.0
+#: Angles this near to a full turn, degrees, are one: 0.2 nm at a radius of 10 m.
+FULL_DEG = 1e-9
+#: A polyline arc is a line below this bulge, or below this height over its chord, um.
+FLAT_BULGE, FLAT_UM = 1e-8, 1e-4
+#: From this bulge on (all but 0.002 degrees of a circle) rounding decides where the centre is.
+ABSURD_BULGE = 1e5
+#: Coordinates beyond this, um (1000 km), are no part.
+FARTHEST_UM = 1e12
+
+#: Splines and ellipses are contours that cannot be read yet: leaving them out would be wrong.
+UNSUPPORTED = frozenset({"SPLINE", "ELLIPSE", "HELIX"})
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What is wrong with one entity of a heap. ``entity`` -1: with something about the heap."""
+
+    code: str
+    entity: int
+    text: str
+
+
+@dataclass(slots=True)
+class Insert:
+    """An INSERT as it stands in a heap: block, transform of each copy, and what it inherits.
+
+    ``matrices``: (a, b, c, d, e, f) each, x' = a x + c y + e, y' = b x + d y + f, drawing units,
+    the block's base point not yet taken off.
+    """
+
+    entity: int
+    name: str
+    matrix: tuple[float, float, float, float, float, float]
+    columns: int
+    rows: int
+    step: tuple[float, float, float, float]
+    attributes: int
+
+
+@dataclass(slots=True)
+class Heap:
+    """All entities of one layout or block, in its own frame.
+
+    Attributes:
+        scale: um in a drawing unit.
+        entities: (type, handle, layer) of each geometric entity.
+        invisible: which of them are.
+        others: (type, layer) -> count of what is never cut.
+        inserts: block references.
+        points: (entity, x, y) of POINT entities, um.
+        problems: what is wrong.
+        segments: filled by `finish`; ``source`` indexes ``entities``.
+        used: the entities that have segments.
+        rank: for each segment the index of its entity in ``used``.
+        curved: whether there are arcs.
+        dropped: entities without length that were dropped.
+        widths: polylines with a width.
+    """
+
+    scale: float
+    entities: list[tuple[str, str, str]] = field(default_factory=list)
+    invisible: set[int] = field(default_factory=set)
+    others: Counter[tuple[str, str]] = field(default_factory=Counter)
+    inserts: list[Insert] = field(default_factory=list)
+    points: list[tuple[int, float, float]] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    segments: Rows = field(default_factory=lambda: np.zeros(0, SEGMENT))
+    used: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    rank: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    curved: bool = False
+    dropped: list[int] = field(default_factory=list)
+    widths: list[int] = field(default_factory=list)
+    lines: list[tuple[float, ...]] = field(default_factory=list)
+    line_of: list[int] = field(default_factory=list)
+    arcs: list[tuple[float, ...]] = field(default_factory=list)
+    arc_of: list[int] = field(default_factory=list)
+    circles: list[tuple[float, ...]] = field(default_factory=list)
+    circle_of: list[int] = field(default_factory=list)
+    polylines: list[Floats] = field(default_factory=list)
+    polyline_of: list[tuple[int, bool, bool]] = field(default_factory=list)
+
+    def problem(self, code: str, entity: int, text: str = "") -> None:
+        """Note that something is wrong with an entity."""
+        self.problems.append(Problem(code, entity, text))
+
+
+def gather(entities: Any, scale: float) -> Heap:
+    """Return the heap of a layout's or block's entities; ``scale`` um to a drawing unit."""
+    from ezdxf.lldxf.const import DXFError
+
+    heap = Heap(scale)
+    convert = CONVERTERS.get
+    for entity in entities:
+        dxf = entity.dxf
+        kind = entity.DXFTYPE
+        try:
+            layer = str(dxf.layer)
+        except DXFError:  # nothing that can be drawn
+            heap.others[entity.dxftype(), "0"] += 1
+            continue
+        to = convert(kind)
+        if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
+            heap.others["POLYLINE (mesh)", layer] += 1
+            continue
+        if to is None:
+            if kind in UNSUPPORTED:
+                to = _unsupported
+            else:
+                heap.others[entity.dxftype(), layer] += 1
+                continue
+        at = len(heap.entities)
+        heap.entities.append((kind, str(dxf.handle), layer))
+        if dxf.hasattr("invisible") and dxf.invisible:
+            heap.invisible.add(at)
+        try:
+            to(heap, at, entity, dxf)
+        except (DXFError, AttributeError, KeyError, ValueError, TypeError, IndexError) as why:
+            # ezdxf raises these for attributes that an entity must have and has not.
+            heap.problem("damaged-drawing", at, str(why) or type(why).__name__)
+    heap.segments = _segments(heap)
+    heap.used, rank = np.unique(heap.segments["source"], return_inverse=True)
+    heap.rank = rank.astype(np.int64)
+    heap.curved = bool((heap.segments["turn"] != 0).any())
+    return heap
+
+
+# --- one converter for each type ------------------------------------------------------------
+
+
+def _flip(heap: Heap, at: int, dxf: Entity) -> bool | None:
+    """Return whether an entity's frame is mirrored; None, and a problem, where it is tilted."""
+    if not dxf.hasattr("extrusion"):
+        return False
+    x, y, z = dxf.extrusion
+    if max(abs(x), abs(y)) > UPRIGHT * abs(z) or not z:
+        heap.problem("tilted", at)
+        return None
+    return bool(z < 0)
+
+
+def _unsupported(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    heap.problem("unsupported-entity", at)
+
+
+def _line(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    x0, y0, z0 = dxf.start
+    x1, y1, z1 = dxf.end
+    if abs(z1 - z0) * heap.scale > LEVEL_UM:
+        heap.problem("not-flat", at)
+        return
+    heap.lines.append((x0, y0, x1, y1))
+    heap.line_of.append(at)
+
+
+def _arc(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    flip = _flip(heap, at, dxf)
+    if flip is None:
+        return
+    x, y, _ = dxf.center
+    start, end = dxf.start_angle, dxf.end_angle
+    turn = abs(end - start)
+    if turn < FULL_DEG or abs(turn - 360.0) < FULL_DEG:
+        if turn < FULL_DEG:
+            heap.problem("full-arc", at)
+        heap.circles.append((x, y, dxf.radius, flip))
+        heap.circle_of.append(at)
+        return
+    heap.arcs.append((x, y, dxf.radius, start, end, flip))
+    heap.arc_of.append(at)
+
+
+def _circle(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    flip = _flip(heap, at, dxf)
+    if flip is not None:
+        x, y, _ = dxf.center
+        heap.circles.append((x, y, dxf.radius, flip))
+        heap.circle_of.append(at)
+
+
+def _lwpolyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    flip = _flip(heap, at, dxf)
+    if flip is None:
+        return
+    rows = np.array(entity.lwpoints.values, float).reshape(-1, 5)  # x, y, two widths, bulge
+    if rows[:, 2:4].any() or (dxf.hasattr("const_width") and dxf.const_width):
+        heap.widths.append(at)
+    heap.polylines.append(rows[:, (0, 1, 4)])
+    heap.polyline_of.append((at, bool(entity.closed), flip))
+
+
+def _polyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    flat = entity.is_2d_polyline
+    flip = _flip(heap, at, dxf) if flat else False
+    if flip is None:
+        return
+    rows, heights, wide = (
+        [],
+        [],
+        bool(dxf.hasattr("default_start_width") and dxf.default_start_width),
+    )
+    for vertex in entity.vertices:
+        v = vertex.dxf
+        if v.flags & 16:  # control point of a spline frame: the curve's own points follow
+            continue
+        x, y, z = v.location
+        rows.append((x, y, v.bulge if flat and v.hasattr("bulge") else 0.0))
+        heights.append(z)
+        wide = wide or bool(v.hasattr("start_width") and v.start_width)
+    if wide:
+        heap.widths.append(at)
+    if not flat and heights and (max(heights) - min(heights)) * heap.scale > LEVEL_UM:
+        heap.problem("not-flat", at)
+        return
+    heap.polylines.append(np.array(rows, float).reshape(-1, 3))
+    heap.polyline_of.append((at, bool(entity.is_closed), flip))
+
+
+def _point(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    x, y, _ = dxf.location
+    heap.points.append((at, x * heap.scale, y * heap.scale))
+
+
+def _insert(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    flip = _flip(heap, at, dxf)
+    if flip is None:
+        return
+    x, y, _ = dxf.insert if dxf.hasattr("insert") else (0.0, 0.0, 0.0)
+    cos, sin = cos_sin(np.array([dxf.rotation]))
+    c, s = float(cos[0]), float(sin[0])
+    sx, sy = dxf.xscale, dxf.yscale
+    mirror = -1.0 if flip else 1.0
+    matrix = (mirror * c * sx, s * sx, mirror * -s * sy, c * sy, mirror * x, y)
+    # The grid turns with the INSERT and is not scaled.
+    across, up = dxf.column_spacing, dxf.row_spacing
+    step = (mirror * c * across, s * across, mirror * -s * up, c * up)
+    columns = dxf.column_count if across else 1
+    rows = dxf.row_count if up else 1
+    attributes = len(entity.attribs)
+    heap.inserts.append(Insert(at, str(dxf.name), matrix, columns, rows, step, attributes))
+    if entity.has_extension_dict and "ACAD_FILTER" in entity.get_extension_dict():
+        heap.problem("clipped-block", at)
+
+
+CONVERTERS: dict[str, Callable[[Heap, int, Entity, Entity], None]] = {
+    "LINE": _line,
+    "ARC": _arc,
+    "CIRCLE": _circle,
+    "LWPOLYLINE": _lwpolyline,
+    "POLYLINE": _polyline,
+    "POINT": _point,
+    "INSERT": _insert,
+}
+
+
+# --- from figures to segments ---------------------------------------------------------------
+
+
+def cos_sin(degrees: Floats) -> tuple[Floats, Floats]:
+    """Return cosine and sine of angles in degrees, exact at multiples of 90.
+
+    >>> [float(v[0]) for v in cos_sin(np.array([270.0]))]
+    [0.0, -1.0]
+    """
+    turns = np.round(degrees / 90.0)
+    rest = np.radians(degrees - 90.0 * turns)
+    c, s = np.cos(rest), np.sin(rest)
+    quarter = np.mod(turns, 4).astype(np.int64)
+    cos = np.choose(quarter, (c, -s, -c, s)) + 0.0  # + 0.0: no negative zero
+    sin = np.choose(quarter, (s, c, -s, -c)) + 0.0
+    return cos, sin
+
+
+def _segments(heap: Heap) -> Rows:
+    """Return the segments of all that was gathered, um, in order of entity."""
+    with np.errstate(all="ignore"):  # what overflows is refused right after
+        parts = [_of_lines(heap), _of_arcs(heap), _of_circles(heap), _of_polylines(heap)]
+        rows = np.concatenate(parts)
+        size = np.zeros(len(rows))
+        for name in ("x0", "y0", "x1", "y1", "cx", "cy"):
+            size = np.maximum(size, np.abs(rows[name]))
+        good = size <= FARTHEST_UM  # False for NaN, too
+    for at in np.unique(rows["source"][~good]).tolist():
+        heap.problem("bad-number", at)
+    nothing = good & (rows["turn"] == 0)
+    nothing &= (rows["x0"] == rows["x1"]) & (rows["y0"] == rows["y1"])
+    nothing |= good & (rows["turn"] == 2)
+    heap.dropped += rows["source"][nothing].tolist()
+    rows = rows[good & ~nothing]
+    ordered: Rows = rows[np.argsort(rows["source"], kind="stable")]
+    return ordered
+
+
+def _of_lines(heap: Heap) -> Rows:
+    xy = np.array(heap.lines, float).reshape(-1, 4) * heap.scale
+    out = np.zeros(len(xy), SEGMENT)
+    for k, name in enumerate(("x0", "y0", "x1", "y1")):
+        out[name] = xy[:, k]
+    out["source"] = heap.line_of
+    return out
+
+
+def _of_arcs(heap: Heap) -> Rows:
+    raw = np.array(heap.arcs, float).reshape(-1, 6)
+    out = np.zeros(len(raw), SEGMENT)
+    flip = raw[:, 5] != 0
+    side = np.where(flip, -1.0, 1.0)
+    cx, cy = side * raw[:, 0] * heap.scale, raw[:, 1] * heap.scale
+    r = np.abs(raw[:, 2]) * heap.scale
+    for end, angle in ((0, raw[:, 3]), (1, raw[:, 4])):
+        c, s = cos_sin(np.where(np.isfinite(angle), angle, 0.0))
+        out[f"x{end}"] = np.where(np.isfinite(angle), cx + side * r * c, np.nan)
+        out[f"y{end}"] = cy + r * s
+    out["cx"], out["cy"] = cx, cy
+    out["turn"] = np.where(r == 0, 2, np.where(flip, -1, 1))  # 2: nothing, dropped below
+    # Angles a whole turn apart but for less than FULL_DEG were taken for circles before.
+    whole = np.mod(np.abs(raw[:, 4] - raw[:, 3]), 360.0) == 0
+    out["x1"] = np.where(whole, out["x0"], out["x1"])
+    out["y1"] = np.where(whole, out["y0"], out["y1"])
+    out["source"] = heap.arc_of
+    return out
+
+
+def _of_circles(heap: Heap) -> Rows:
+    raw = np.array(heap.circles, float).reshape(-1, 4)
+    out = np.zeros(len(raw), SEGMENT)
+    out["cx"] = np.where(raw[:, 3] != 0, -1.0, 1.0) * raw[:, 0] * heap.scale
+    out["cy"] = raw[:, 1] * heap.scale
+    r = np.abs(raw[:, 2]) * heap.scale
+    out["x0"] = out["x1"] = out["cx"] + r
+    out["y0"] = out["y1"] = out["cy"]
+    out["turn"] = np.where(r == 0, 2, 1)
+    out["source"] = heap.circle_of
+    return out
+
+
+def _of_polylines(heap: Heap) -> Rows:
+    """Return the segments between vertices; bulge = tan(sweep / 4), > 0 counter-clockwise.
+
+    With the chord c and bulge b the centre lies c (1 - b^2) / 4b to the left of its middle.
+    Repeated vertices give segments without length, which are dropped: the bulges of their
+    neighbours stay where they are.
+    """
+    if not heap.polylines:
+        return np.zeros(0, SEGMENT)
+    size = np.array([len(p) for p in heap.polylines])
+    of = np.array([p[0] for p in heap.polyline_of])
+    heap.dropped += of[size < 2].tolist()
+    closed = np.array([p[1] for p in heap.polyline_of])
+    flip = np.repeat([p[2] for p in heap.polyline_of], size)
+    raw = np.concatenate(heap.polylines)
+    first = np.cumsum(size) - size
+    after = np.arange(len(raw)) + 1
+    last = (first + size - 1)[size > 0]
+    after[last] = first[size > 0]
+    keep = np.ones(len(raw), np.bool_)
+    keep[last] = closed[size > 0]
+    keep &= np.repeat(size > 1, size)
+    source = np.repeat(of, size)
+    x = np.where(flip, -raw[:, 0], raw[:, 0]) * heap.scale
+    y = raw[:, 1] * heap.scale
+    bulge = np.where(flip, -raw[:, 2], raw[:, 2])
+    k = np.flatnonzero(keep)
+    n = after[k]
+    out = np.zeros(len(k), SEGMENT)
+    out["x0"], out["y0"], out["x1"], out["y1"] = x[k], y[k], x[n], y[n]
+    b = bulge[k]
+    dx, dy = x[n] - x[k], y[n] - y[k]
+    chord = np.hypot(dx, dy)
+    length = chord > 0
+    absurd = length & ~(np.abs(b) < ABSURD_BULGE)
+    for entity in np.unique(source[k][absurd & np.isfinite(b)]).tolist():
+        heap.problem("bad-bulge", entity)
+    for entity in np.unique(source[k][absurd & ~np.isfinite(b)]).tolist():
+        heap.problem("bad-number", entity)
+    flat = ~length | absurd | (np.abs(b) < FLAT_BULGE) | (np.abs(b) * chord < 2 * FLAT_UM)
+    arc = ~flat
+    safe = np.where(arc, b, 1.0)
+    left = (1.0 - safe * safe) / (4.0 * safe)
+    out["cx"] = np.where(arc, 0.5 * (x[k] + x[n]) - dy * left, 0.0)
+    out["cy"] = np.where(arc, 0.5 * (y[k] + y[n]) + dx * left, 0.0)
+    out["turn"] = np.where(arc, np.sign(b), 0)
+    out["source"] = source[k]
+    return out

@@ -1,0 +1,132 @@
+"""What a drawing holds, as plain facts: for ``inspect``, a table or JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic
+from wedmcam.geom import measure
+from wedmcam.geom import segments as seg
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.plan import Side
+from wedmcam.options import Options
+from wedmcam.pipeline import Drawn
+from wedmcam.transforms.chain import open_contour_findings
+from wedmcam.transforms.compensate import largest_offset
+
+#: Offsets above this are not looked for, um: the ZD-065's largest, rounded up.
+LARGEST_UM = 8000.0
+
+
+def facts_of(
+    name: str, drawn: Drawn, options: Options
+) -> tuple[dict[str, Any], list[Diagnostic]]:
+    """Return the facts of a drawing in mm, and findings on open contours.
+
+    The largest permissible offset is that of the side asked for (``part`` by default), over all
+    contours together, with the place that limits it.
+    """
+    info = drawn.sketch.info
+    contours = drawn.contours
+    boxes = np.array([measure.extents(c.vertices, c.closed) for c in contours]).reshape(-1, 4)
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    closed = [c for c in contours if c.closed]
+    facts: dict[str, Any] = {
+        "input": name,
+        "units": info.units,
+        "units_from": info.units_from,
+        "version": info.version,
+        "size_mm": _mm(high - low),
+        "size_inch": [round(float(v) / 25400, 4) for v in high - low],
+        "extents_mm": _mm([*low, *high]),
+        "entities": info.entities,
+        "ignored": info.ignored,
+        "contours": len(contours),
+        "closed": len(closed),
+        "open": len(contours) - len(closed),
+        "outer": sum(c.closed and d % 2 == 0 for c, d in _nested(drawn)),
+        "holes": sum(c.closed and d % 2 == 1 for c, d in _nested(drawn)),
+        "thread_points_mm": [_mm([p.x, p.y]) for p in drawn.sketch.thread_points],
+        "joins": drawn.report.joins,
+        "largest_join_um": round(drawn.report.max_shift_um, 3),
+        "duplicates": drawn.report.duplicates,
+        "zero_length": drawn.report.zero_length,
+        "length_mm": round(sum(measure.length(c.vertices, c.closed) for c in contours) / 1000, 3),
+        "smallest_radius": _smallest_radius(contours),
+        "list": [_one(k, c, d, p) for k, (c, d, p) in enumerate(_listed(drawn))],
+    }
+    facts.update(info.extra)
+    facts["largest_offset"] = _largest(drawn, options) if closed else None
+    return facts, list(open_contour_findings(contours, options.join_um))
+
+
+def _mm(values: Any) -> list[float]:
+    return [round(float(v) / 1000, 3) + 0.0 for v in values]
+
+
+def _nested(drawn: Drawn) -> list[tuple[Contour, int]]:
+    return list(zip(drawn.contours, drawn.nesting.depths, strict=True))
+
+
+def _listed(drawn: Drawn) -> list[tuple[Contour, int, int]]:
+    return list(
+        zip(drawn.contours, drawn.nesting.depths, drawn.nesting.parents, strict=True)
+    )
+
+
+def _one(number: int, c: Contour, depth: int, parent: int) -> dict[str, Any]:
+    box = measure.extents(c.vertices, c.closed)
+    turn = c.starts["turn"]
+    return {
+        "number": number + 1,
+        "closed": c.closed,
+        "role": ("outer" if depth % 2 == 0 else "hole") if c.closed else "open",
+        "inside": parent + 1 if parent >= 0 else None,
+        "lines": int(np.sum(turn == 0)),
+        "arcs": int(np.sum(turn != 0)),
+        "length_mm": round(measure.length(c.vertices, c.closed) / 1000, 3),
+        "area_mm2": round(abs(measure.area(c.vertices)) / 1e6, 3) if c.closed else None,
+        "extents_mm": _mm(box),
+        "first": str(c.source_of(0)) if c.source_of(0) else None,
+    }
+
+
+def _smallest_radius(contours: tuple[Contour, ...]) -> dict[str, Any] | None:
+    best: tuple[float, float, float, str] | None = None
+    for c in contours:
+        s = seg.of_rows(c.starts, c.ends)
+        arcs = np.flatnonzero(s.turn != 0)
+        if len(arcs):
+            k = int(arcs[np.argmin(s.radius[arcs])])
+            if best is None or s.radius[k] < best[0]:
+                best = (float(s.radius[k]), float(s.cx[k]), float(s.cy[k]), str(c.source_of(k)))
+    if best is None:
+        return None
+    return {"radius_mm": _mm([best[0]])[0], "center_mm": _mm(best[1:3]), "where": best[3]}
+
+
+def _largest(drawn: Drawn, options: Options) -> dict[str, Any]:
+    """Return the largest offset without interference, and what limits it."""
+    from wedmcam.transforms.planning import shifts
+
+    side = options.side if options.side is Side.DIE else Side.PART
+    chosen = [
+        (c, s)
+        for c, s in zip(
+            drawn.contours, shifts(drawn.contours, drawn.nesting, side, 1.0), strict=True
+        )
+        if c.closed
+    ]
+    outlines, signs = [c for c, _ in chosen], [s for _, s in chosen]
+    most, limit = largest_offset(outlines, signs, LARGEST_UM)
+    result: dict[str, Any] = {"side": str(side), "offset_mm": round(most / 1000, 3)}
+    if limit is None:
+        result["limited_by"] = None
+        return result
+    where = outlines[limit.outline].source_of(limit.row)
+    result["limited_by"] = limit.kind
+    result["at_mm"] = _mm(limit.at)
+    result["where"] = str(where) if where else None
+    return result

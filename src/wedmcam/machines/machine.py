@@ -1,0 +1,99 @@
+"""Machine: what one controller or dialect takes, as values.
+
+Machines are data, one TOML each. The limits bind formats and profiles, not the compiler. Every
+field here is read by an encoder, a decoder or lowering; what nothing reads is not a knob.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The largest numbers that fit, all inclusive.
+
+    Attributes:
+        count_um: count length J of one block.
+        line_um: |x| and |y| of one line or move.
+        arc_um: |x| and |y| of an arc's start from its centre. A radius up to this fits wherever
+            the arc starts; a compact controller refuses a larger radius.
+        memory_bytes: bytes of a binary program, end byte included; 0 for no limit.
+        blocks: records of a text program, control records included; 0 for no limit.
+        travel_um: how far the table goes, (x, y); None for no limit.
+    """
+
+    count_um: int
+    line_um: int
+    arc_um: int
+    memory_bytes: int = 0
+    blocks: int = 0
+    travel_um: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """Control records of a 3B dialect, upper case, all different."""
+
+    pause: str = "D"
+    stop: str = "DD"
+    end: str = "E"
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How a 3B record is laid out: ``N1: B  9900 B     0 B 039600 GY NR1 ; -0.100 , 0.000``.
+
+    Attributes:
+        after_b: between a B and its number.
+        between: before the second and third B, before G and before Z.
+        width: X, Y and J are right-aligned with blanks to this many characters.
+        count_digits: where more than 1, J has this many digits instead, zeros in front.
+        number_width: digits of N numbers, right-aligned with blanks; 0 for no N numbers. Control
+            records are numbered too.
+        after_number: what follows an N number.
+        header: lines before the first record.
+        footer: lines after the last record.
+        end_coordinates: each cutting record ends in ``; x , y``: where it ends, absolute, mm.
+        eol: what ends every line, the last included.
+        encoding: of header and footer; records are ASCII.
+    """
+
+    after_b: str = ""
+    between: str = ""
+    width: int = 1
+    count_digits: int = 1
+    number_width: int = 0
+    after_number: str = ": "
+    header: tuple[str, ...] = ()
+    footer: tuple[str, ...] = ()
+    end_coordinates: bool = False
+    eol: str = "\n"
+    encoding: str = "ascii"
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """One controller or dialect.
+
+    Attributes:
+        name: of the profile, e.g. ``b3-compact``.
+        title: one line for people.
+        format: a key of ``backends.ENCODERS`` and ``frontends.DECODERS``.
+        line_table: a value of ``ir.program.LineTable``: which axis a line steps first outside
+            quadrants 1 and 3, and with it on which axis a 45 degree line is counted.
+        count: ``exact``: J by running the interpolator; ``textbook``: J by geometry.
+        limits: see `Limits`.
+        words: see `Words`; used by 3B.
+        layout: see `Layout`; used by 3B.
+    """
+
+    name: str
+    title: str
+    format: str
+    line_table: Literal["mirror", "rotate"]
+    count: Literal["exact", "textbook"]
+    limits: Limits
+    words: Words = field(default_factory=Words)
+    layout: Layout = field(default_factory=Layout)

@@ -1,0 +1,258 @@
+"""Read a profile: TOML text in, `Machine` and findings out.
+
+A key that nobody reads is an error and not a comment: a misspelt limit would otherwise be no limit.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
+from wedmcam.machines.machine import Layout, Limits, Machine, Words
+
+FORMATS = ("3b", "compact")
+_EOL = {"lf": "\n", "crlf": "\r\n", "cr": "\r"}
+_ENCODINGS = ("ascii", "utf-8", "gbk")
+
+
+@dataclass(frozen=True, slots=True)
+class _Key:
+    """What one key takes. ``of`` is the TOML type; ``good`` says whether a value will do."""
+
+    of: type
+    takes: str
+    good: Callable[[Any], bool]
+    required: bool = False
+    formats: tuple[str, ...] = FORMATS
+
+
+def _choice(*values: str, required: bool = False) -> _Key:
+    return _Key(str, " or ".join(f'"{v}"' for v in values), lambda v: v in values, required)
+
+
+def _whole(low: int, high: int, required: bool = False, formats: tuple[str, ...] = FORMATS) -> _Key:
+    takes = f"a whole number, {low} to {high}"
+    return _Key(int, takes, lambda v: low <= v <= high, required, formats)
+
+
+def _blanks(text: str) -> bool:
+    return all(c in " \t" for c in text)
+
+
+def _lines(value: list[Any]) -> bool:
+    # What every reader takes for text: a record or a control word in a header would be run.
+    return all(isinstance(v, str) and re.fullmatch(r";[^\r\n]*|[*%]*", v) for v in value)
+
+
+def _pair(value: list[Any]) -> bool:
+    return len(value) == 2 and all(type(v) is int and v > 0 for v in value)
+
+
+_B3 = ("3b",)
+_TEXT = _Key(str, "text of one line", lambda v: v != "" and "\n" not in v, required=True)
+_BLANKS = _Key(str, "blanks or nothing", _blanks, formats=_B3)
+_WORD = _Key(
+    # B alone would be the start of a record.
+    str,
+    "a word of 1 to 8 capital letters other than B",
+    lambda v: v != "B" and bool(re.fullmatch("[A-Z]{1,8}", v)),
+    formats=_B3,
+)
+_LINES = _Key(
+    list, "a list of lines that start with a semicolon or are rows of * or %", _lines, formats=_B3
+)
+_UM = 10**9  # a kilometre: larger than any table, and sums of it stay far inside 64 bits
+
+_SCHEMA: dict[str, dict[str, _Key]] = {
+    "": {
+        "title": _TEXT,
+        "format": _choice(*FORMATS, required=True),
+        "line_table": _choice("mirror", "rotate", required=True),
+        "count": _choice("exact", "textbook"),
+    },
+    "limits": {
+        # 3B fields have six digits; the compact format stores J in three BCD bytes, a line's x and
+        # y in three and an arc's in four.
+        "count_um": _whole(1, 999_999, True),
+        "line_um": _whole(1, 999_999, True),
+        "arc_um": _whole(1, 99_999_999, True),
+        "memory_bytes": _whole(13, _UM, formats=("compact",)),
+        "blocks": _whole(1, _UM, formats=_B3),
+        "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
+    },
+    "words": {"pause": _WORD, "stop": _WORD, "end": _WORD},
+    "layout": {
+        "after_b": _BLANKS,
+        "between": _BLANKS,
+        "width": _whole(1, 20, formats=_B3),
+        "count_digits": _whole(1, 6, formats=_B3),
+        "number_width": _whole(0, 9, formats=_B3),
+        "after_number": _Key(
+            str, '"", " ", ":" or ": "', lambda v: bool(re.fullmatch(":?[ \t]*", v)), formats=_B3
+        ),
+        "header": _LINES,
+        "footer": _LINES,
+        "end_coordinates": _Key(bool, "true or false", lambda v: True, formats=_B3),
+        "eol": _Key(str, '"lf", "crlf" or "cr"', lambda v: v in _EOL, formats=_B3),
+        "encoding": _Key(str, " or ".join(_ENCODINGS), lambda v: v in _ENCODINGS, formats=_B3),
+    },
+}
+_TYPE_NAMES: dict[type, str] = {str: "text", int: "a whole number", bool: "true or false"}
+
+
+def _place(text: str, name: str, section: str, key: str) -> Span:
+    """Return where ``key`` stands in the text, as far as a search of lines can tell."""
+    here = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if table := re.match(r"\s*\[\s*([\w.-]+)\s*\]", line):
+            here = table[1]
+            if here == key and not section:
+                return TextSpan(name, number, 1, len(line))
+        elif here == section and (m := re.match(rf"(\s*)(\"?{re.escape(key)}\"?)\s*[=.]", line)):
+            return TextSpan(name, number, len(m[1]) + 1, len(m[2]))
+    return FileSpan(name)
+
+
+def _named(section: str, key: str) -> str:
+    return f"{section}.{key}" if section else key
+
+
+def _suggest(key: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(key, known, 1, 0.6)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    return f"known are {', '.join(known)}" if known else "remove it"
+
+
+def _check(
+    text: str, name: str, section: str, table: dict[str, Any], format_: str
+) -> tuple[dict[str, Any], list[Diagnostic]]:
+    """Return the good values of one table, and what is wrong with the others."""
+    found: list[Diagnostic] = []
+    good: dict[str, Any] = {}
+    schema = {k: v for k, v in _SCHEMA[section].items() if format_ in v.formats}
+    for key, value in table.items():
+        if not section and key in _SCHEMA and key:
+            continue  # a table, checked by itself
+        rule = schema.get(key)
+        place = _place(text, name, section, key)
+        if rule is None:
+            known = [*schema, *(s for s in _SCHEMA if s and not section)]
+            why = f" for format '{format_}'" if key in _SCHEMA[section] else ""
+            found.append(
+                error(
+                    "profile-key",
+                    f"unknown key '{_named(section, key)}'{why}",
+                    place,
+                    hint=_suggest(key, known),
+                )
+            )
+        elif type(value) is not rule.of or not rule.good(value):
+            kind = _TYPE_NAMES.get(type(value))
+            got = repr(value) if kind is None or type(value) is rule.of else f"{kind} {value!r}"
+            found.append(
+                error(
+                    "profile-value",
+                    f"'{_named(section, key)}' takes {rule.takes}, not {got}",
+                    place,
+                )
+            )
+        else:
+            good[key] = value
+    found += [
+        error(
+            "profile-missing",
+            f"'{_named(section, key)}' is missing; it takes {rule.takes}",
+            FileSpan(name),
+        )
+        for key, rule in schema.items()
+        if rule.required and key not in table
+    ]
+    return good, found
+
+
+def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
+    """Return the machine that a TOML profile describes.
+
+    Args:
+        text: TOML; lengths in um.
+        name: of the profile or its file; findings point to it.
+
+    Returns:
+        The machine, or None when there are errors; all errors at once.
+    """
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as wrong:
+        at = re.search(r"at line (\d+), column (\d+)", str(wrong))
+        span: Span = TextSpan(name, int(at[1]), int(at[2])) if at else FileSpan(name)
+        what = re.sub(r"\s*\(at .*\)$", "", str(wrong))
+        return None, [error("profile-syntax", f"not TOML: {what}", span)]
+
+    format_ = data.get("format")
+    known_format = format_ if format_ in FORMATS else "3b"
+    top, found = _check(text, name, "", data, known_format)
+    tables: dict[str, dict[str, Any]] = {}
+    for section in [s for s in _SCHEMA if s]:
+        value = data.get(section, {})
+        if not isinstance(value, dict):
+            place = _place(text, name, "", section)
+            found.append(error("profile-value", f"'{section}' takes a table, not {value!r}", place))
+            value = {}
+        tables[section], more = _check(text, name, section, value, known_format)
+        found += more
+    words = Words(**tables["words"])
+    if len({words.pause, words.stop, words.end}) < 3:
+        found.append(
+            error(
+                "profile-value",
+                f"pause '{words.pause}', stop '{words.stop}' and end '{words.end}' must differ",
+                _place(text, name, "", "words"),
+            )
+        )
+    if known_format == "3b" and tables["limits"].get("arc_um", 0) > 999_999:
+        place = _place(text, name, "limits", "arc_um")
+        found.append(
+            error("profile-value", "'limits.arc_um' of a 3B profile is at most 999999", place)
+        )
+    layout = tables["layout"]
+    encoding = layout.get("encoding", "ascii")
+    for key in ("header", "footer"):
+        for line in layout.get(key, []):
+            try:
+                line.encode(encoding)
+            except UnicodeEncodeError:
+                place = _place(text, name, "layout", key)
+                what = f"'layout.{key}' does not fit the encoding {encoding}: '{line}'"
+                found.append(error("profile-value", what, place))
+    if found:
+        return None, found
+
+    for key in ("header", "footer"):
+        if key in layout:
+            layout[key] = tuple(layout[key])
+    if "eol" in layout:
+        layout["eol"] = _EOL[layout["eol"]]
+    limits = tables["limits"]
+    if "travel_um" in limits:
+        limits["travel_um"] = tuple(limits["travel_um"])
+    table: Literal["mirror", "rotate"] = top["line_table"]
+    count: Literal["exact", "textbook"] = top.get("count", "exact")
+    return (
+        Machine(
+            name=name,
+            title=top["title"],
+            format=top["format"],
+            line_table=table,
+            count=count,
+            limits=Limits(**limits),
+            words=words,
+            layout=Layout(**layout),
+        ),
+        [],
+    )

@@ -1,0 +1,121 @@
+"""What a user can ask of a compile, as one value: the same for the command line and the library.
+
+Lengths are um here; the command line and `wedmcam.compile` take mm. The certificate carries these
+options, so that ``verify --against`` can repeat them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from wedmcam.ir.plan import Side
+from wedmcam.transforms.order import Order
+
+#: File name endings of programs, and the format each means.
+FORMAT_OF_SUFFIX = {".3b": "3b", ".zd": "compact"}
+#: File name endings of sources.
+SOURCE_OF_SUFFIX = {".dxf": "dxf"}
+PROGRAM_FORMATS = ("3b", "compact")
+SOURCE_FORMATS = ("dxf",)
+
+
+class WrongUse(Exception):  # noqa: N818 - a kind of stop, not of error
+    """Options that do not fit together or to the input: exit status 2."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to compile. Lengths in um.
+
+    Attributes:
+        units: "mm", "um" or "inch" whatever the drawing says; None to take its own.
+        layers: wildcards of layers to take; empty for all.
+        ignore_layers: wildcards of layers to leave out.
+        join_um: the largest gap closed between entities.
+        offset_um: from the outline to the wire's centre; None where none was given.
+        side: None for ``part`` with an offset and ``on`` without.
+        corner_um: radius rounded onto the part's own corners; 0 for none.
+        sharp: at a corner that the wire goes round the offset lines are prolonged to meet.
+        trim: leave out what the wire cannot reach instead of refusing.
+        starts_um: thread points, drawing coordinates.
+        lead_um: length of a lead where no thread point is given.
+        stop_um: how far before its end each closed path pauses; 0 for no pause.
+        overcut_um: how far past its start each closed path is cut.
+        order: see `Order`; None for inner-first.
+        reverse: clockwise instead of counter-clockwise.
+        count: "exact", "textbook", or None for what the profile says.
+        strict: warnings are errors.
+        arithmetic: name of the arithmetic that formulas run in.
+    """
+
+    units: str | None = None
+    layers: tuple[str, ...] = ()
+    ignore_layers: tuple[str, ...] = ()
+    join_um: float = 10.0
+    offset_um: float | None = None
+    side: Side | None = None
+    corner_um: float = 0.0
+    sharp: bool = False
+    trim: bool = False
+    starts_um: tuple[tuple[float, float], ...] = ()
+    lead_um: float = 1000.0
+    stop_um: float = 0.0
+    overcut_um: float = 0.0
+    order: Order | None = None
+    reverse: bool = False
+    count: str | None = None
+    strict: bool = False
+    arithmetic: str = "float64"
+
+    def __post_init__(self) -> None:
+        offset = self.offset_um or 0.0
+        if offset < 0:
+            raise WrongUse("the offset must not be negative: --side says on which side it is")
+        if self.side in (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT) and not offset:
+            raise WrongUse(f"--side {self.side} needs an offset (--offset, or --wire and --gap)")
+        if self.side is Side.ON and offset:
+            raise WrongUse("--side on runs on the line: it takes no offset")
+        if 0 < self.corner_um < offset:
+            raise WrongUse(
+                f"--corner {self.corner_um / 1000:.3f} mm is below the offset "
+                f"{offset / 1000:.3f} mm: the wire could not follow it"
+            )
+        for name in ("join_um", "corner_um", "lead_um", "stop_um", "overcut_um"):
+            if getattr(self, name) < 0:
+                raise WrongUse(f"--{name[:-3]} must not be negative")
+
+    @property
+    def effective_side(self) -> Side:
+        """The side in force."""
+        if self.side is not None:
+            return self.side
+        return Side.PART if self.offset_um else Side.ON
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the options as plain data for the certificate; defaults are left out."""
+        data = asdict(self)
+        kept = {f.name: data[f.name] for f in fields(self) if data[f.name] != f.default}
+        return {k: str(v) if isinstance(v, Side | Order) else v for k, v in kept.items()}
+
+    @classmethod
+    def from_data(cls, data: dict[str, Any]) -> Options:
+        """Return the options of a certificate.
+
+        Raises:
+            WrongUse: an unknown key or value.
+        """
+        values = dict(data)
+        try:
+            if "side" in values:
+                values["side"] = Side(values["side"])
+            if "order" in values:
+                values["order"] = Order(values["order"])
+            for name in ("layers", "ignore_layers"):
+                if name in values:
+                    values[name] = tuple(values[name])
+            if "starts_um" in values:
+                values["starts_um"] = tuple((float(x), float(y)) for x, y in values["starts_um"])
+            return cls(**values)
+        except (TypeError, ValueError) as why:
+            raise WrongUse(f"the certificate's options cannot be read: {why}") from why

@@ -1,0 +1,190 @@
+"""The compiler on one screen: every stage in its order, and where it stops.
+
+A stage takes values and returns a value and findings. After a stage that found an error nothing
+more runs, and nothing is written: `Refused`. Nothing here opens a file or prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, TypeVar
+
+from wedmcam.arithmetic import FLOAT64
+from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.plan import Cut, Plan, Side
+from wedmcam.ir.program import LineTable, Program
+from wedmcam.ir.sketch import Sketch, ThreadPoint
+from wedmcam.machines import Machine
+from wedmcam.options import Options
+
+if TYPE_CHECKING:
+    from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.nest import Nesting
+    from wedmcam.verify import Verdict
+
+T = TypeVar("T")
+
+
+class Refused(Exception):  # noqa: N818 - a kind of stop, not of error
+    """The input cannot be compiled; ``Run.found`` says why. ``stage`` names where it stopped."""
+
+    def __init__(self, stage: str) -> None:
+        super().__init__(stage)
+        self.stage = stage
+
+
+@dataclass
+class Run:
+    """Collects what the stages find, and stops after the first one that found an error.
+
+    Attributes:
+        strict: warnings are errors.
+        found: all findings, in the order in which they were made.
+    """
+
+    strict: bool = False
+    found: list[Diagnostic] = field(default_factory=list)
+
+    def __call__(self, stage: str, result: tuple[T | None, Iterable[Diagnostic]]) -> T:
+        """Take a stage's findings over and return its value."""
+        value, found = result
+        self.add(stage, found)
+        assert value is not None, f"{stage} returned nothing and said nothing"
+        return value
+
+    def add(self, stage: str, found: Iterable[Diagnostic]) -> None:
+        """Take findings over; refuse if there is an error among them."""
+        new = [self._judged(d) for d in found]
+        self.found += new
+        if has_errors(new):
+            raise Refused(stage)
+
+    def _judged(self, d: Diagnostic) -> Diagnostic:
+        if self.strict and d.severity is Severity.WARNING:
+            return replace(d, severity=Severity.ERROR)
+        return d
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """What was drawn: loose segments, and the contours they make."""
+
+    sketch: Sketch
+    contours: tuple[Contour, ...]
+    report: ChainReport
+    nesting: Nesting
+
+
+def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
+    """Return the contours of a drawing."""
+    from wedmcam.frontends.dxf import DxfOptions
+    from wedmcam.frontends.dxf import read as read_dxf
+    from wedmcam.transforms.chain import chain
+    from wedmcam.transforms.nest import nest
+
+    asked = DxfOptions(
+        units=options.units, layers=options.layers, ignore_layers=options.ignore_layers
+    )
+    sketch = run("read", read_dxf(data, file, asked))
+    contours, report, found = chain(sketch, options.join_um)
+    run.add("chain", found)
+    return Drawn(sketch, contours, report, nest(contours))
+
+
+def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
+    """Return where the wire goes: sides, compensation, leads, order."""
+    from wedmcam.transforms import planning
+
+    side = options.effective_side
+    contours = list(drawn.contours)
+    run.add("open", planning.unfit(contours, options, side))
+    if options.corner_um:
+        from wedmcam.transforms.corners import round_corners
+
+        contours = run("corners", round_corners(contours, options.corner_um, FLOAT64))
+    lanes = run("compensate", planning.lanes(contours, drawn.nesting, options, side, FLOAT64))
+    threads = list(drawn.sketch.thread_points)
+    threads += [ThreadPoint(x, y) for x, y in options.starts_um]
+    cuts = run("leads", planning.cuts(lanes, threads, drawn, options))
+    return Plan(
+        tuple(cuts), tuple(contours), drawn.nesting.depths, side, options.offset_um or 0.0
+    )
+
+
+def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
+    """Return the program in integers, format-neutral."""
+    from wedmcam.transforms.lower import Target
+    from wedmcam.transforms.lower import lower as lower_plan
+
+    target = Target(
+        square=machine.format == "compact",
+        table=LineTable(machine.line_table),
+        count_um=machine.limits.count_um,
+        line_um=machine.limits.line_um,
+        arc_um=machine.limits.arc_um,
+        textbook=count_of(machine, options) == "textbook",
+    )
+    return run("lower", lower_plan(made, target))
+
+
+def encode(program: Program, machine: Machine, run: Run) -> bytes:
+    """Return the bytes of a program."""
+    from wedmcam.backends import encoder
+
+    return run("encode", encoder(machine.format)(program, machine))
+
+
+def prove(
+    data: bytes,
+    file: str,
+    made: Plan,
+    machine: Machine,
+    options: Options,
+    run: Run,
+    *,
+    origin: tuple[int, int],
+    strict_order: bool = True,
+) -> tuple[Program, Verdict]:
+    """Decode the bytes that are to be written, run them, and compare with the plan and the part."""
+    from dataclasses import replace as changed
+
+    from wedmcam.frontends import decoder
+    from wedmcam.verify import judge
+
+    decoded, found = decoder(machine.format)(data, machine, file)
+    # What a reader says of a program that was just written is for the compiler's own tests.
+    run.add("decode", [d for d in found if d.severity is not Severity.NOTE])
+    decoded = changed(decoded, origin=origin)
+    verdict, found = judge(
+        decoded,
+        made,
+        table=LineTable(machine.line_table),
+        limits=machine.limits,
+        count="textbook" if count_of(machine, options) == "textbook" else "exact",
+        strict_order=strict_order,
+        trimmed=options.trim,
+    )
+    run.add("verify", found)
+    return decoded, verdict
+
+
+def count_of(machine: Machine, options: Options) -> str:
+    """Return the counting in force: asked for, or the profile's."""
+    return options.count or machine.count
+
+
+__all__ = [
+    "Cut",
+    "Drawn",
+    "Refused",
+    "Run",
+    "Side",
+    "count_of",
+    "encode",
+    "lower",
+    "plan",
+    "prove",
+    "read",
+]

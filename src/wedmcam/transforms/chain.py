@@ -1,0 +1,480 @@
+"""Loose segments become contours.
+
+CAD users draw outlines as loose lines and arcs, in any order and direction, whose ends almost meet.
+A contour is what a wire can follow: a closed loop, or an open chain. The result depends on the
+geometry alone: shuffled or reversed entities give the same contours, bit by bit.
+
+In here, as in graph theory: a *node* is a place where ends meet, its *degree* how many; a node of
+degree 1 is a *loose* end; one of odd degree from 3 on is a *branch*, at which nobody can say how
+the contour goes on. At a node of degree 4, 6, ... loops touch: they are told apart where there is
+only one way to do so, which is where every segment belongs to at most one loop (a *cactus*).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.geom.measure import segment_areas
+from wedmcam.geom.segments import Floats, Ints, boxes
+from wedmcam.ir.contour import VERTEX, Contour
+from wedmcam.ir.sketch import Sketch
+from wedmcam.transforms.doubles import (
+    columns,
+    forward,
+    is_circle,
+    mm,
+    place,
+    without_copies,
+    without_nothing,
+    zero_length,
+)
+from wedmcam.transforms.joints import Joints, join
+from wedmcam.transforms.meetings import Placed, meetings
+
+Rows = NDArray[np.void]
+
+#: Of findings of one kind this many are listed; a summary stands for the rest.
+LISTED = 20
+#: Gaps above this are no drawing inaccuracy, um: no ``--join`` is proposed for them.
+PROPOSED_UM = 1000.0
+
+
+@dataclass(frozen=True, slots=True)
+class ChainReport:
+    """What chaining did.
+
+    Attributes:
+        closed: closed contours found.
+        open: open ones.
+        branches: places at which segments branch; those segments are in no contour.
+        joins: pairs of ends that were more than float noise apart and were joined.
+        max_shift_um: how far an end or the belly of an arc moved at most.
+        duplicates: segments left out because another one repeats them.
+        zero_length: pieces without length that were dropped.
+    """
+
+    closed: int = 0
+    open: int = 0
+    branches: int = 0
+    joins: int = 0
+    max_shift_um: float = 0.0
+    duplicates: int = 0
+    zero_length: int = 0
+
+
+Chained = tuple[tuple[Contour, ...], ChainReport, tuple[Diagnostic, ...]]
+
+
+def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
+    """Return the contours of a drawing.
+
+    Args:
+        sketch: loose segments.
+        join_um: the largest gap between two ends that is closed, um; absolute.
+
+    Returns:
+        Contours, closed ones first, each sorted by place (lowest, then left-most); a report; and
+        findings: notes on repairs, errors on branches, overlaps and crossings. Closed contours run
+        counter-clockwise from their lowest (then left-most) vertex, a circle from its right-most
+        point; open ones from their smaller end (x, then y). Open contours are no error here: see
+        `open_contour_findings`.
+    """
+    sources = sketch.sources
+    rows, nothing, found_nothing = without_nothing(sketch.segments, sources)
+    rows, copies, found_copies = without_copies(rows, sources)
+    ring = is_circle(rows)
+    rings, rows = forward(rows[ring]), rows[~ring]
+    joints, found_joins = join(rows, sources, join_um)
+    # Noise may have pulled both ends of a piece together, and a join those of an almost full arc.
+    shut = joints.nodes[:, 0] == joints.nodes[:, 1]
+    found_shut: tuple[Diagnostic, ...] = ()
+    if shut.any():
+        full = shut & (columns(rows).sweep > math.pi)
+        rings = np.concatenate([rings, forward(_full(rows[full]))])
+        lost = shut & ~full
+        if lost.any():
+            nothing += int(lost.sum())
+            found_shut = (zero_length(rows[lost], sources),)
+        joints = Joints(
+            joints.rows[~shut],
+            joints.nodes[~shut],
+            joints.x,
+            joints.y,
+            joints.joins,
+            joints.max_shift_um,
+        )
+    closed, opened, found_branches, branches = _walk(joints, sources)
+    contours, placed = _contours(joints, closed, opened, rings, sources)
+    found = (*found_nothing, *found_shut, *found_copies, *found_joins, *found_branches)
+    report = ChainReport(
+        closed=sum(c.closed for c in contours),
+        open=sum(not c.closed for c in contours),
+        branches=branches,
+        joins=joints.joins,
+        max_shift_um=joints.max_shift_um,
+        duplicates=copies,
+        zero_length=nothing,
+    )
+    return contours, report, (*found, *meetings(placed, sources))
+
+
+def _full(rows: Rows) -> Rows:
+    """Return full circles on the circles of ``rows``."""
+    out = rows.copy()
+    out["x1"], out["y1"] = out["x0"], out["y0"]
+    return out
+
+
+# --- from segments to runs ------------------------------------------------------------------
+# A *half-edge* is a segment with a direction: 2 e leaves segment e at its start, 2 e + 1 at
+# its end.
+
+Run = list[int]
+
+
+def _walk(
+    joints: Joints, sources: tuple[Span, ...]
+) -> tuple[list[Run], list[Run], tuple[Diagnostic, ...], int]:
+    """Return closed and open runs of half-edges, and errors where there is no one way to go on."""
+    node = joints.nodes.reshape(-1)  # of half-edge h: where it leaves from
+    m = len(node)
+    degree = np.bincount(node, minlength=len(joints.x))
+    at = np.argsort(node, kind="stable")
+    first = np.cumsum(degree) - degree
+    follow = np.full(m, -1, np.int64)  # the half-edge that goes on where h arrives, before h ^ 1
+    pairs = np.flatnonzero(degree == 2)
+    a, b = at[first[pairs]], at[first[pairs] + 1]
+    follow[a], follow[b] = b, a
+    go_on = follow.tolist()
+    used = bytearray(m // 2)
+
+    def run_from(h: int) -> Run:
+        start, path = h, []
+        while True:
+            path.append(h)
+            used[h >> 1] = 1
+            h = go_on[h ^ 1]
+            if h < 0 or h == start:
+                return path
+
+    runs = [run_from(h) for h in np.flatnonzero(follow < 0).tolist() if not used[h >> 1]]
+    closed = [run_from(2 * e) for e in range(m // 2) if not used[e]]
+    if not (degree > 2).any():
+        return closed, runs, (), 0
+    more, opened, bad = _untangle(runs, node.tolist(), degree)
+    found = _branch_findings(bad, joints, at, first, degree, sources)
+    return closed + more, opened, found, len(bad)
+
+
+def _untangle(runs: list[Run], node: list[int], degree: Ints) -> tuple[list[Run], list[Run], Ints]:
+    """Split runs that end at branches or touching points into loops and chains.
+
+    Returns:
+        Loops, open chains, and the nodes at which there is no one way to go on.
+    """
+    parent: dict[int, int] = {}
+
+    def root(v: int) -> int:
+        while parent.setdefault(v, v) != v:
+            parent[v] = v = parent[parent[v]]
+        return v
+
+    ends = [(node[r[0]], node[r[-1] ^ 1]) for r in runs]
+    for u, v in ends:
+        parent[root(u)] = root(v)
+    groups: dict[int, list[int]] = {}
+    for k, (u, _) in enumerate(ends):
+        groups.setdefault(root(u), []).append(k)
+    loops: list[Run] = []
+    chains: list[Run] = []
+    bad: list[int] = []
+    for group in groups.values():
+        here = sorted({v for k in group for v in ends[k]})
+        odd = [v for v in here if degree[v] % 2]
+        if any(degree[v] > 2 for v in odd):
+            bad += [v for v in odd if degree[v] > 2]
+            continue
+        got, rest = _loops(group, runs, ends, odd or here)
+        if len(odd) > 2 or len(got) != len(group) - len(here) + 1:
+            bad += [v for v in here if degree[v] > 2]
+            continue
+        loops += got
+        chains += rest
+    return loops, chains, np.array(sorted(bad), np.int64)
+
+
+def _loops(
+    group: list[int], runs: list[Run], ends: list[tuple[int, int]], starts: list[int]
+) -> tuple[list[Run], list[Run]]:
+    """Walk all runs of a connected group, cutting a loop off whenever the walk meets itself."""
+    leaving: dict[int, list[int]] = {}
+    for k in group:
+        u, v = ends[k]
+        leaving.setdefault(u, []).append(2 * k)
+        leaving.setdefault(v, []).append(2 * k + 1)
+    used: set[int] = set()
+    loops: list[Run] = []
+    chains: list[Run] = []
+    waiting = list(starts)
+    while waiting:
+        v = waiting.pop()
+        path: list[int] = []
+        visited = {v: 0}
+        while True:
+            out = leaving[v]
+            while out and out[-1] >> 1 in used:
+                out.pop()
+            if not out:
+                break
+            step = out.pop()
+            used.add(step >> 1)
+            path.append(step)
+            v = ends[step >> 1][1 - (step & 1)]
+            if v in visited:
+                loop = path[visited[v] :]
+                loops.append(_joined(loop, runs))
+                for s in loop[1:]:
+                    gone = ends[s >> 1][s & 1]
+                    del visited[gone]
+                    waiting.append(gone)
+                del path[visited[v] :]
+            else:
+                visited[v] = len(path)
+        if path:
+            chains.append(_joined(path, runs))
+            waiting += list(visited)
+    return loops, chains
+
+
+def _joined(steps: list[int], runs: list[Run]) -> Run:
+    """Return the half-edges of whole runs, each forward (2 k) or backward (2 k + 1)."""
+    out: Run = []
+    for step in steps:
+        run = runs[step >> 1]
+        out += [h ^ 1 for h in reversed(run)] if step & 1 else run
+    return out
+
+
+def _branch_findings(
+    bad: Ints,
+    joints: Joints,
+    at: Ints,
+    first: Ints,
+    degree: Ints,
+    sources: tuple[Span, ...],
+) -> tuple[Diagnostic, ...]:
+    """Return one error for each place in ``bad``, up to `LISTED`."""
+    found = []
+    for v in bad[:LISTED].tolist():
+        x, y = float(joints.x[v]), float(joints.y[v])
+        meet = joints.rows["source"][at[first[v] : first[v] + degree[v]] // 2]
+        spans = [sources[k] for k in sorted(set(meet.tolist())) if 0 <= k < len(sources)]
+        why = "so the contour branches" if degree[v] % 2 else "in more than one way"
+        found.append(
+            error(
+                "branch",
+                f"{degree[v]} segments meet at {place(x, y)}, {why}",
+                spans[0] if spans else None,
+                notes=tuple(("this meets there", s) for s in spans),
+                hint="remove what is not to be cut, or put it on a layer of its own",
+                points_mm=((x / 1e3, y / 1e3),),
+            )
+        )
+    if len(bad) > LISTED:
+        more = len(bad) - LISTED
+        found.append(error("branch", f"segments branch at {more} further places", count=more))
+    return tuple(found)
+
+
+# --- from runs to contours ------------------------------------------------------------------
+
+
+def _contours(
+    joints: Joints,
+    closed: list[Run],
+    opened: list[Run],
+    rings: Rows,
+    sources: tuple[Span, ...],
+) -> tuple[tuple[Contour, ...], Placed]:
+    """Return the contours, canonical in direction, start and order, and where each row went."""
+    rows, n = joints.rows, len(closed)
+    runs = closed + opened
+    half = np.array([h for run in runs for h in run], np.int64)
+    sizes = np.array([len(run) for run in runs], np.int64)
+    half = _oriented(rows, half, sizes, n)
+    edge, back = half // 2, half % 2 == 1
+    x = np.where(back, rows["x1"][edge], rows["x0"][edge])
+    y = np.where(back, rows["y1"][edge], rows["y0"][edge])
+    total, offsets = len(half), np.cumsum(sizes) - sizes
+    start = offsets.copy()
+    if n:
+        # Closed runs start at their lowest, then left-most vertex.
+        inside = int(sizes[:n].sum())
+        owner = np.repeat(np.arange(n), sizes[:n])
+        order = np.lexsort((x[:inside], y[:inside], owner))
+        start[:n] = order[offsets[:n]]
+    turned = np.arange(total) - np.repeat(offsets, sizes) + np.repeat(start - offsets, sizes)
+    turned = np.repeat(offsets, sizes) + turned % np.repeat(np.maximum(sizes, 1), sizes)
+    half, edge, back = half[turned], edge[turned], back[turned]
+    out = np.zeros(total, VERTEX)
+    out["x"], out["y"] = x[turned], y[turned]
+    out["turn"] = np.where(back, -rows["turn"][edge], rows["turn"][edge])
+    arc = out["turn"] != 0
+    out["cx"] = np.where(arc, rows["cx"][edge], 0.0)
+    out["cy"] = np.where(arc, rows["cy"][edge], 0.0)
+    out["source"] = rows["source"][edge]
+
+    contours: list[Contour] = []
+    for k, (a, size) in enumerate(zip(offsets.tolist(), sizes.tolist(), strict=True)):
+        piece = out[a : a + size]
+        if k >= n:
+            last = np.zeros(1, VERTEX)
+            e, end = edge[a + size - 1], 0 if back[a + size - 1] else 1
+            last["x"], last["y"] = rows[f"x{end}"][e], rows[f"y{end}"][e]
+            last["source"] = -1
+            piece = np.concatenate([piece, last])
+        contours.append(Contour(piece, k < n, sources))
+    for ring in rings:
+        contours.append(_ring(ring, sources))
+    order = _sorted(rows, edge, offsets, sizes, rings, contours)
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    owner = np.full(len(rows) + len(rings), -1, np.int64)
+    owner[edge] = rank[np.repeat(np.arange(len(runs)), sizes)]
+    owner[len(rows) :] = rank[len(runs) :]
+    placed = Placed(np.concatenate([rows, rings]), owner, joints.nodes)
+    return tuple(contours[k] for k in order.tolist()), placed
+
+
+def _ring(row: np.void, sources: tuple[Span, ...]) -> Contour:
+    """Return the closed contour of one full circle."""
+    out = np.zeros(1, VERTEX)
+    for name, of in (("x", "x0"), ("y", "y0"), ("cx", "cx"), ("cy", "cy")):
+        out[name] = row[of]
+    out["turn"], out["source"] = 1, row["source"]
+    return Contour(out, True, sources)
+
+
+def _oriented(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
+    """Return the half-edges with every run in its canonical direction; the first n are closed."""
+    if not len(half):
+        return half
+    edge, back = half // 2, half % 2 == 1
+    s = columns(rows[edge])
+    first = np.cumsum(sizes) - sizes
+    x0, y0 = np.where(back, s.x1, s.x0), np.where(back, s.y1, s.y0)
+    origin = np.repeat(x0[first], sizes), np.repeat(y0[first], sizes)
+    part = segment_areas(s, origin)
+    wrong = np.add.reduceat(np.where(back, -part, part), first) < 0
+    last = first + sizes - 1
+    x1, y1 = np.where(back, s.x0, s.x1)[last], np.where(back, s.y0, s.y1)[last]
+    x0, y0 = x0[first], y0[first]
+    wrong[n:] = ((x1 < x0) | ((x1 == x0) & (y1 < y0)))[n:]
+    flip = np.repeat(wrong, sizes)
+    place = np.arange(len(half))
+    place = np.where(flip, np.repeat(first + last, sizes) - place, place)
+    half = half[place]
+    return np.where(flip, half ^ 1, half)
+
+
+def _sorted(
+    rows: Rows, edge: Ints, first: Ints, sizes: Ints, rings: Rows, contours: list[Contour]
+) -> Ints:
+    """Return the canonical order: closed before open, then by place."""
+    if not contours:
+        return np.empty(0, np.int64)
+    around = np.array(boxes(columns(rows[edge]))).reshape(4, -1)
+    box = np.empty((4, len(contours)))
+    if len(sizes):
+        for k in range(4):
+            lowest = np.minimum if k < 2 else np.maximum
+            box[k, : len(sizes)] = lowest.reduceat(around[k], first)
+    box[:, len(sizes) :] = boxes(columns(rings))
+    opened = np.array([not c.closed for c in contours])
+    x = np.array([c.vertices["x"][0] for c in contours])
+    y = np.array([c.vertices["y"][0] for c in contours])
+    return np.lexsort((x, y, box[2], box[3], box[0], box[1], opened))
+
+
+# --- open contours --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    x: float
+    y: float
+    contour: int
+    span: Span | None
+
+    def __str__(self) -> str:
+        return place(self.x, self.y)
+
+
+def open_contour_findings(
+    contours: Sequence[Contour], join_um: float = 10.0
+) -> tuple[Diagnostic, ...]:
+    """Return an error for every open contour: where its ends are, and what would close it.
+
+    Args:
+        contours: of a drawing; closed ones are passed over.
+        join_um: the tolerance that was in force, for the message.
+    """
+    ends: list[tuple[_End, _End]] = []
+    for k, c in enumerate(contours):
+        if not c.closed:
+            v = c.vertices
+            first = _End(float(v["x"][0]), float(v["y"][0]), k, c.source_of(0))
+            last = _End(float(v["x"][-1]), float(v["y"][-1]), k, c.source_of(len(v) - 2))
+            ends.append((first, last))
+    loose = [e for pair in ends for e in pair]
+    xy = np.array([(e.x, e.y) for e in loose]).reshape(-1, 2)
+    found = []
+    for at, (first, last) in enumerate(ends[:LISTED]):
+        gap = math.hypot(last.x - first.x, last.y - first.y)
+        nearest = [_nearest(xy, 2 * at + side) for side in (0, 1)]
+        needed = max(d for _, d in nearest)
+        hint = None
+        if join_um < needed <= PROPOSED_UM:
+            hint = f"--join {_up(needed):.3f} would close the gap"
+        elif needed <= join_um:
+            hint = "the ends lie within --join, but the segment between them is shorter than that"
+        notes = []
+        for end, (other, d) in zip((first, last), nearest, strict=True):
+            if loose[other].contour != end.contour:
+                text = f"the loose end nearest to {end} is at {loose[other]}, {mm(d)} mm away"
+                notes.append((text, loose[other].span))
+        notes.append((f"the other end is at {last}", last.span))
+        found.append(
+            error(
+                "open-contour",
+                f"open contour: its ends {first} and {last} are {mm(gap)} mm apart; "
+                f"gaps up to {mm(join_um)} mm are closed",
+                first.span,
+                notes=tuple(notes),
+                hint=hint,
+                points_mm=((first.x / 1e3, first.y / 1e3), (last.x / 1e3, last.y / 1e3)),
+            )
+        )
+    if len(ends) > LISTED:
+        more = len(ends) - LISTED
+        found.append(error("open-contour", f"{more} further contours are open", count=more))
+    return tuple(found)
+
+
+def _nearest(xy: Floats, end: int) -> tuple[int, float]:
+    """Return which other loose end is nearest to one, and how far away it is, um."""
+    d = np.hypot(xy[:, 0] - xy[end, 0], xy[:, 1] - xy[end, 1])
+    d[end] = np.inf
+    other = int(np.argmin(d))
+    return other, float(d[other])
+
+
+def _up(um: float) -> float:
+    """Return a length in mm, rounded up to whole um."""
+    return math.ceil(um - 1e-6) / 1e3

@@ -1,0 +1,244 @@
+"""Which ends meet: exactly, but for float noise, or but for a gap that may be closed.
+
+Ends meet by distance, never by rounding: a rounded coordinate splits two ends that lie on either
+side of a half. Only ends that meet nobody exactly look for a neighbour, nearest pair first, and
+each gets one: a row of ends, each within the tolerance of the next, does not collapse into a point.
+The tolerance is a length in um and knows nothing of the size of the drawing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Span, error, note
+from wedmcam.geom.pairs import self_overlapping
+from wedmcam.geom.segments import Floats, Ints, Segments
+from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of
+
+Rows = NDArray[np.void]
+
+#: Joins below this are counted and not listed, um.
+LISTED_UM = 1.0
+#: A join may move the belly of an arc by this many times the join tolerance, not more: an arc that
+#: almost closes would otherwise swing about its ends.
+BELLY = 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joints:
+    """Segments whose ends coincide exactly where they are joined.
+
+    Attributes:
+        rows: the segments, moved where they were joined.
+        nodes: for each row the node of its start and of its end, shape (n, 2).
+        x, y: where the nodes are, um.
+        joins: how many pairs of ends more than float noise apart were joined.
+        max_shift_um: how far an end, or the belly of an arc, moved at most.
+    """
+
+    rows: Rows
+    nodes: Ints
+    x: Floats
+    y: Floats
+    joins: int
+    max_shift_um: float
+
+
+def near_pairs(x: Floats, y: Floats, within: float) -> tuple[Ints, Ints, Floats]:
+    """Return index pairs i < j of points at most ``within`` um apart, and their distances."""
+    half = 0.5 * within
+    i, j = self_overlapping((x - half, y - half, x + half, y + half))
+    d = np.hypot(x[i] - x[j], y[i] - y[j])
+    keep = d <= within
+    return i[keep], j[keep], d[keep]
+
+
+def join(
+    rows: Rows, sources: tuple[Span, ...], join_um: float
+) -> tuple[Joints, tuple[Diagnostic, ...]]:
+    """Return ``rows`` joined where ends lie within ``join_um`` of each other.
+
+    Where ends coincide exactly nothing changes. Within float noise (`NOISE_UM`) all take the place
+    of one of them: of a line's end before an arc's (it was stated, not computed), then of the
+    smallest (x, y). Otherwise both ends move to the middle; an arc keeps its radius and gets a new
+    centre. The two ends of one short segment never join.
+    """
+    m = len(rows)
+    x = np.concatenate([rows["x0"], rows["x1"]])
+    y = np.concatenate([rows["y0"], rows["y1"]])
+    order = np.lexsort((y, x))
+    new = np.ones(2 * m, np.bool_)
+    new[1:] = (np.diff(x[order]) != 0) | (np.diff(y[order]) != 0)
+    node = np.empty(2 * m, np.int64)
+    node[order] = np.cumsum(new) - 1
+    px, py = x[order[new]], y[order[new]]  # nodes in order of (x, y)
+    target = np.arange(len(px))
+    degree = np.bincount(node, minlength=len(px))
+    by_line = np.zeros(len(px), np.bool_)
+    by_line[node[np.tile(rows["turn"] == 0, 2)]] = True
+
+    odd = np.flatnonzero(degree % 2)
+    i, j, _ = near_pairs(px[odd], py[odd], NOISE_UM)
+    if len(i):
+        _cluster(target, odd[i], odd[j], by_line)
+        degree = np.bincount(target[node], minlength=len(px))
+    node = target[node]
+    swing = columns(rows).sweep > np.pi
+    joins, found = _close_gaps(rows, sources, node, px, py, degree, swing, join_um, target)
+    node = target[node]
+    # Places that a join moved are no node of before: they follow from target via px, py.
+    ends = node.reshape(2, m).T
+    moved, belly, more = _moved(rows, sources, ends, px, py, join_um)
+    shift = max([d / 2 for d in joins], default=0.0)
+    return (
+        Joints(moved, ends, px, py, len(joins), max(shift, belly)),
+        found + more,
+    )
+
+
+def _cluster(target: Ints, i: Ints, j: Ints, by_line: NDArray[np.bool_]) -> None:
+    """Give all nodes that the pairs connect one target: the best of them."""
+    n = len(by_line)
+    rank = np.where(by_line, 0, n) + np.arange(n)
+    while True:
+        low = np.minimum(rank[i], rank[j])
+        if (low == rank[i]).all() and (low == rank[j]).all():
+            break
+        np.minimum.at(rank, i, low)
+        np.minimum.at(rank, j, low)
+    target[:] = rank % n
+
+
+def _close_gaps(
+    rows: Rows,
+    sources: tuple[Span, ...],
+    node: Ints,
+    px: Floats,
+    py: Floats,
+    degree: Ints,
+    swing: NDArray[np.bool_],
+    join_um: float,
+    target: Ints,
+) -> tuple[list[float], tuple[Diagnostic, ...]]:
+    """Join loose ends to their nearest, in ``target``, ``px`` and ``py``; return the gaps."""
+    odd = np.flatnonzero(degree % 2)
+    i, j, d = near_pairs(px[odd], py[odd], join_um)
+    i, j = odd[i], odd[j]
+    keep = (degree[i] == 1) | (degree[j] == 1)
+    i, j, d = i[keep], j[keep], d[keep]
+    if not len(i):
+        return [], ()
+    # Nodes are numbered by (x, y), so i < j breaks ties by place and not by order of drawing.
+    order = np.lexsort((j, i, d))
+    m = len(rows)
+    edge = np.full(len(px), -1, np.int64)
+    edge[node] = np.tile(np.arange(m), 2)  # of a loose end: its one segment
+    other = np.full(len(px), -1, np.int64)
+    other[node] = np.roll(node, m)  # and of a loose end: the other end of that segment
+    taken: set[int] = set()
+    gaps: list[float] = []
+    listed: list[tuple[float, int]] = []
+    for a, b, gap in zip(i[order].tolist(), j[order].tolist(), d[order].tolist(), strict=True):
+        if a in taken or b in taken:
+            continue
+        loose = a if degree[a] == 1 else b
+        if other[loose] == (b if loose == a else a) and not swing[edge[loose]]:
+            continue  # a short segment would vanish
+        taken.update((a, b))
+        gaps.append(gap)
+        if gap >= LISTED_UM:
+            listed.append((gap, a))
+        target[b] = a
+        px[a], py[a] = 0.5 * (px[a] + px[b]), 0.5 * (py[a] + py[b])
+    if not gaps:
+        return [], ()
+    few = len(gaps) - len(listed)
+    what = "1 gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
+    text = f"{what} between ends closed"
+    text += f", the largest {mm(max(gaps))} mm" if listed else ""
+    text += f"; {few} of them under {mm(LISTED_UM)} mm" if few else ""
+    places = sorted((float(px[a]), float(py[a]), gap, a) for gap, a in listed)
+    found = note(
+        "join",
+        text,
+        notes=tuple(
+            (f"{mm(gap)} mm at {place(u, v)}", span_of(rows[edge[a]], sources))
+            for u, v, gap, a in places
+        ),
+        points_mm=tuple((u / 1e3, v / 1e3) for u, v, _, _ in places),
+        count=len(gaps),
+    )
+    return gaps, (found,)
+
+
+def _moved(
+    rows: Rows, sources: tuple[Span, ...], ends: Ints, px: Floats, py: Floats, join_um: float
+) -> tuple[Rows, float, tuple[Diagnostic, ...]]:
+    """Return the rows with their ends on their nodes, and how far arcs moved at most."""
+    out = rows.copy()
+    for k in (0, 1):
+        out[f"x{k}"], out[f"y{k}"] = px[ends[:, k]], py[ends[:, k]]
+    shift = np.maximum(
+        np.hypot(out["x0"] - rows["x0"], out["y0"] - rows["y0"]),
+        np.hypot(out["x1"] - rows["x1"], out["y1"] - rows["y1"]),
+    )
+    # An arc that closed upon itself is a circle about its own centre; noise moves no centre.
+    arc = np.flatnonzero((rows["turn"] != 0) & (shift > NOISE_UM) & (ends[:, 0] != ends[:, 1]))
+    if not len(arc):
+        return out, 0.0, ()
+    old = columns(rows[arc])
+    cx, cy, belly = _refitted(old, out[arc], shift[arc])
+    out["cx"][arc], out["cy"][arc] = cx, cy
+    found = []
+    for k in np.flatnonzero(belly > BELLY * join_um).tolist():
+        x, y = float(out["x0"][arc[k]]), float(out["y0"][arc[k]])
+        found.append(
+            error(
+                "join-moves-arc",
+                f"closing a gap of {mm(2 * shift[arc[k]])} mm at the arc that starts at "
+                f"{place(x, y)} would move the arc by {mm(belly[k])} mm",
+                span_of(rows[arc[k]], sources),
+                hint="draw the arc to its end, or join less with --join",
+                points_mm=((x / 1e3, y / 1e3),),
+            )
+        )
+    return out, float(belly.max()), tuple(found)
+
+
+def _refitted(old: Segments, new: Rows, shift: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return centres of arcs between new ends, and how far each arc's belly moved.
+
+    The radius is kept where that keeps the arc in place. Near a half circle it cannot: shortening
+    the chord of a half circle of radius 1 mm by 5 um would lift its centre by 70 um. There the
+    centre moves to the nearest place that is equally far from both ends instead, which changes the
+    radius by no more than the ends moved.
+    """
+    # Always from the counter-clockwise start: the direction of drawing must not change a digit.
+    ccw = old.turn > 0
+    ax, ay = np.where(ccw, new["x0"], new["x1"]), np.where(ccw, new["y0"], new["y1"])
+    bx, by = np.where(ccw, new["x1"], new["x0"]), np.where(ccw, new["y1"], new["y0"])
+    dx, dy = bx - ax, by - ay
+    chord = np.hypot(dx, dy)
+    chord = np.where(chord > 0, chord, 1.0)
+    mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+    nx, ny = -dy / chord, dx / chord  # to the left of the chord
+    high = np.sqrt(np.maximum(old.radius**2 - 0.25 * chord**2, 0.0))
+    high = np.where(old.sweep <= np.pi, high, -high)
+    near = (old.cx - mx) * nx + (old.cy - my) * ny
+    choices = []
+    for h in (high, near):
+        cx, cy = mx + h * nx, my + h * ny
+        r = np.hypot(ax - cx, ay - cy)
+        belly = np.abs(r - old.radius)
+        for share in (0.25, 0.5, 0.75):
+            angle = old.a0 + old.turn * share * old.sweep
+            qx = old.cx + old.radius * np.cos(angle)
+            qy = old.cy + old.radius * np.sin(angle)
+            belly = np.maximum(belly, np.abs(np.hypot(qx - cx, qy - cy) - r))
+        choices.append((cx, cy, belly))
+    (kx, ky, kept), (fx, fy, fitted) = choices
+    keep = (kept <= 2.0 * shift) | (kept <= fitted)
+    return np.where(keep, kx, fx), np.where(keep, ky, fy), np.where(keep, kept, fitted)

@@ -1,0 +1,441 @@
+"""Where contours cross, run along each other, or touch.
+
+A wire path is computed from contours that bound material: a contour that crosses itself or another
+bounds nothing. Lines and arcs are intersected exactly, pairs found by a sweep over their boxes.
+Meeting in a common vertex is no crossing: two loops that share one place cannot cross there without
+crossing elsewhere as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Span, error, warning
+from wedmcam.geom import crossings
+from wedmcam.geom.pairs import grown, self_overlapping
+from wedmcam.geom.segments import (
+    TAU,
+    Floats,
+    Ints,
+    Segments,
+    boxes,
+    points_at,
+    tangents_at,
+)
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.sketch import SEGMENT
+from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of
+
+Rows = NDArray[np.void]
+Bools = NDArray[np.bool_]
+
+#: Up to this depth, um, one contour touches the other and does not cross it.
+TOUCH_UM = 0.01
+#: Lines, or arcs of one circle, this near to each other run on top of each other, um ...
+ON_TOP_UM = 1.0
+#: ... where they do so for more than this length, um.
+ALONG_UM = 1.0
+#: How far from a vertex to look at which side a contour leaves it, um.
+STEP_UM = 50.0
+#: Of findings of one kind this many are listed; a summary stands for the rest.
+LISTED = 20
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Segments and the contours that they ended up in.
+
+    Attributes:
+        rows: `SEGMENT` rows, first all that have ends, then full circles.
+        owner: index of each one's contour, -1 for none (it branches).
+        nodes: node of the start and of the end of each row that has ends, shape (n, 2).
+    """
+
+    rows: Rows
+    owner: Ints
+    nodes: Ints
+
+
+def contour_meetings(contours: Sequence[Contour]) -> tuple[Diagnostic, ...]:
+    """Return the findings of `meetings` for contours that did not come from `chain`."""
+    parts: list[Rows] = []
+    owner: list[Ints] = []
+    nodes: list[Ints] = []
+    spans: list[Span] = []
+    rings: list[Rows] = []
+    ring_owner: list[int] = []
+    first = 0
+    for k, c in enumerate(contours):
+        a, b = c.starts, c.ends
+        rows = np.zeros(len(a), SEGMENT)
+        rows["x0"], rows["y0"], rows["x1"], rows["y1"] = a["x"], a["y"], b["x"], b["y"]
+        for name in ("cx", "cy", "turn"):
+            rows[name] = a[name]
+        rows["source"] = np.where(a["source"] >= 0, a["source"] + len(spans), -1)
+        spans += c.sources
+        if len(c) == 1 and c.closed:
+            rings.append(rows)
+            ring_owner.append(k)
+            continue
+        number = first + np.arange(len(a))
+        after = number + 1
+        if c.closed:
+            after[-1] = first
+        first += len(a) + 1
+        parts.append(rows)
+        nodes.append(np.stack([number, after], axis=1))
+        owner.append(np.full(len(a), k))
+    every = [np.zeros(0, SEGMENT), *parts, *rings]
+    owners = [np.zeros(0, np.int64), *owner, np.array(ring_owner, np.int64)]
+    placed = Placed(
+        np.concatenate(every),
+        np.concatenate(owners),
+        np.concatenate([np.zeros((0, 2), np.int64), *nodes]),
+    )
+    return meetings(placed, tuple(spans))
+
+
+def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...]:
+    """Return errors for overlaps and crossings, and warnings for touches.
+
+    Codes: ``overlap``, ``self-crossing``, ``crossing-contours``, ``contours-touch``. One finding
+    for each pair of contours, or of segments on top of each other, in order of place.
+    """
+    if len(placed.rows) < 2:
+        return ()
+    s = columns(placed.rows)
+    i, j = self_overlapping(grown(boxes(s), TOUCH_UM))
+    lines = (s.turn[i] == 0) & (s.turn[j] == 0)
+    common = _shares_end(s, i, j)
+    # Most pairs are lines that follow each other round a corner: nothing to find there.
+    plain = lines & common
+    bend = s.ux[i] * s.uy[j] - s.uy[i] * s.ux[j]
+    plain &= np.abs(bend) * np.minimum(s.length[i], s.length[j]) > ON_TOP_UM
+    i, j = i[~plain], j[~plain]
+    over, at_x, at_y, along = _on_top(s, i, j)
+    found = _overlaps(placed, sources, i[over], j[over], at_x[over], at_y[over], along[over])
+    i, j = i[~over], j[~over]
+    hits = crossings.between(s, i, j)
+    owned = (placed.owner[hits.i] >= 0) & (placed.owner[hits.j] >= 0)
+    away = owned & ~_at_common_end(s, hits)
+    inner_i = _interior(s, hits.i, hits.at_i)
+    inner_j = _interior(s, hits.j, hits.at_j)
+    deep = _depth(s, hits) > TOUCH_UM
+    cross = away & inner_i & inner_j & deep
+    touch = away & ~cross
+    through = _through(placed, s, hits, np.flatnonzero(away & (inner_i != inner_j)), inner_i)
+    cross[through] = True
+    touch[through] = False
+    pairs = placed.owner[hits.i], placed.owner[hits.j]
+    found += _crossings(placed, sources, hits, cross, pairs)
+    crossed = set(zip(*(np.sort(np.stack(pairs), axis=0)[:, cross]).tolist(), strict=True))
+    found += _touches(placed, sources, s, hits, touch, pairs, crossed)
+    return tuple(found)
+
+
+def _shares_end(s: Segments, i: Ints, j: Ints) -> Bools:
+    """Return which pairs have an end in common, to the last bit (joining made them so)."""
+    shared = np.zeros(len(i), np.bool_)
+    for ax, ay in ((s.x0, s.y0), (s.x1, s.y1)):
+        for bx, by in ((s.x0, s.y0), (s.x1, s.y1)):
+            shared |= (ax[i] == bx[j]) & (ay[i] == by[j])
+    return shared
+
+
+def _interior(s: Segments, k: Ints, at: Floats) -> Bools:
+    """Return which positions lie away from the ends of their segment; circles have no ends."""
+    inside = (at > TOUCH_UM) & (at < s.length[k] - TOUCH_UM)
+    return np.asarray(inside | (s.sweep[k] == TAU), np.bool_)
+
+
+def _at_common_end(s: Segments, hits: crossings.Crossings) -> Bools:
+    """Return which hits are nothing but the vertex that both segments share.
+
+    The end of an arc may miss its circle by the noise of joining, e; a tangent line then meets the
+    circle up to sqrt(2 R e) away from the vertex.
+    """
+    i, j = hits.i, hits.j
+    reach = np.full(len(i), ON_TOP_UM)
+    for k in (i, j):
+        miss = np.abs(np.hypot(s.x1[k] - s.cx[k], s.y1[k] - s.cy[k]) - s.radius[k])
+        far = 3.0 * np.sqrt(2.0 * s.radius[k] * (miss + NOISE_UM))
+        reach = np.where(s.turn[k] != 0, np.maximum(reach, far), reach)
+    reach = np.minimum(reach, 0.25 * np.minimum(s.length[i], s.length[j]))
+    at = np.zeros(len(i), np.bool_)
+    for ax, ay in ((s.x0, s.y0), (s.x1, s.y1)):
+        near = np.hypot(hits.x - ax[i], hits.y - ay[i]) <= reach
+        for bx, by in ((s.x0, s.y0), (s.x1, s.y1)):
+            at |= near & (ax[i] == bx[j]) & (ay[i] == by[j])
+    return at
+
+
+def _depth(s: Segments, hits: crossings.Crossings) -> Floats:
+    """Return how deep the two segments of each hit reach past each other, um.
+
+    Where directions differ by an angle a and curvatures by k, the one leaves the other again after
+    a chord that is a^2 / 2k deep. Two lines never do: infinite.
+    """
+    si, sj = s.take(hits.i), s.take(hits.j)
+    ui, vi = tangents_at(si, hits.at_i)
+    uj, vj = tangents_at(sj, hits.at_j)
+    sine = ui * vj - vi * uj
+    same = np.where(ui * uj + vi * vj < 0, -1.0, 1.0)
+    bend_i = si.turn / np.where(si.radius > 0, si.radius, 1.0)
+    bend_j = same * sj.turn / np.where(sj.radius > 0, sj.radius, 1.0)
+    bend = np.abs(bend_i - bend_j)
+    deep = 0.5 * sine * sine / np.where(bend > 0, bend, 1.0)
+    return np.where(bend > 0, deep, np.inf)
+
+
+def _on_top(s: Segments, i: Ints, j: Ints) -> tuple[Bools, Floats, Floats, Floats]:
+    """Return which pairs run on top of each other, the middle of that stretch, and its length."""
+    x, y, along = np.zeros(len(i)), np.zeros(len(i)), np.zeros(len(i))
+    over = np.zeros(len(i), np.bool_)
+    k = np.flatnonzero((s.turn[i] == 0) & (s.turn[j] == 0))
+    if len(k):
+        a, b = s.take(i[k]), s.take(j[k])
+        t0 = (b.x0 - a.x0) * a.ux + (b.y0 - a.y0) * a.uy
+        t1 = (b.x1 - a.x0) * a.ux + (b.y1 - a.y0) * a.uy
+        low, high = (
+            np.maximum(0.0, np.minimum(t0, t1)),
+            np.minimum(a.length, np.maximum(t0, t1)),
+        )
+        off0 = (b.y0 - a.y0) * a.ux - (b.x0 - a.x0) * a.uy
+        off1 = (b.y1 - a.y0) * a.ux - (b.x1 - a.x0) * a.uy
+        span = np.where(t1 != t0, t1 - t0, 1.0)
+        off_low = off0 + (off1 - off0) * (low - t0) / span
+        off_high = off0 + (off1 - off0) * (high - t0) / span
+        near = np.maximum(np.abs(off_low), np.abs(off_high)) < ON_TOP_UM
+        over[k] = near & (high - low > ALONG_UM) & (t1 != t0)
+        along[k] = high - low
+        x[k], y[k] = points_at(a, 0.5 * (low + high))
+    k = np.flatnonzero((s.turn[i] != 0) & (s.turn[j] != 0))
+    if len(k):
+        a, b = s.take(i[k]), s.take(j[k])
+        near = np.hypot(a.cx - b.cx, a.cy - b.cy) < ON_TOP_UM
+        near &= np.abs(a.radius - b.radius) < ON_TOP_UM
+        # Where b starts and how far it goes, measured along a.
+        start = np.where(b.turn == a.turn, b.a0, b.a0 + b.turn * b.sweep)
+        begin = np.mod((start - a.a0) * a.turn, TAU)
+        first = np.minimum(a.sweep, begin + b.sweep) - begin
+        second = np.minimum(a.sweep, begin + b.sweep - TAU)
+        longest = np.maximum(first, second)
+        over[k] = near & (longest * a.radius > ALONG_UM)
+        along[k] = longest * a.radius
+        middle = np.where(first >= second, begin + 0.5 * first, 0.5 * second)
+        x[k], y[k] = points_at(a, np.maximum(middle, 0.0) * a.radius)
+    return over, x, y, along
+
+
+def _overlaps(
+    placed: Placed,
+    sources: tuple[Span, ...],
+    i: Ints,
+    j: Ints,
+    x: Floats,
+    y: Floats,
+    along: Floats,
+) -> list[Diagnostic]:
+    """Return one error for each pair of segments on top of each other."""
+    found = []
+    order = np.lexsort((along, x, y))
+    for k in order[:LISTED].tolist():
+        u, v = float(x[k]), float(y[k])
+        first, second = _two(placed, sources, int(i[k]), int(j[k]))
+        found.append(
+            error(
+                "overlap",
+                f"two segments run on top of each other for {mm(along[k])} mm at {place(u, v)}",
+                first,
+                notes=(("the other one", second),),
+                hint="remove one of them, or what both have in common",
+                points_mm=((u / 1e3, v / 1e3),),
+            )
+        )
+    if len(order) > LISTED:
+        more = len(order) - LISTED
+        text = f"{more} further pairs of segments run on top of each other"
+        found.append(error("overlap", text, count=more))
+    return found
+
+
+def _two(
+    placed: Placed, sources: tuple[Span, ...], i: int, j: int
+) -> tuple[Span | None, Span | None]:
+    """Return the spans of two rows, in an order that does not depend on theirs."""
+    a, b = span_of(placed.rows[i], sources), span_of(placed.rows[j], sources)
+    return (b, a) if str(b) < str(a) else (a, b)
+
+
+def _through(
+    placed: Placed, s: Segments, hits: crossings.Crossings, which: Ints, inner_i: Bools
+) -> list[int]:
+    """Return those of the hits ``which`` where a contour passes through another at a vertex.
+
+    The vertex of the one lies on the inside of a segment of the other; the one crosses if it leaves
+    the vertex on the other side than it came from.
+    """
+    if not len(which):
+        return []
+    out = []
+    at_node: dict[int, list[int]] = {}
+    near = {int(hits.j[k] if inner_i[k] else hits.i[k]) for k in which}
+    wanted = set(placed.nodes[[e for e in near if e < len(placed.nodes)]].ravel().tolist())
+    for e in np.flatnonzero(np.isin(placed.nodes, list(wanted)).any(axis=1)).tolist():
+        for n in placed.nodes[e].tolist():
+            if n in wanted:
+                at_node.setdefault(n, []).append(e)
+    for k in which.tolist():
+        on, edge = int(hits.i[k]), int(hits.j[k])
+        at = float(hits.at_j[k])
+        if not inner_i[k]:
+            on, edge, at = edge, on, float(hits.at_i[k])
+        if edge >= len(placed.nodes):
+            continue
+        node = int(placed.nodes[edge][0 if at < 0.5 * s.length[edge] else 1])
+        arms = [e for e in at_node[node] if placed.owner[e] == placed.owner[edge]]
+        sides = {_side(s, on, _arm(placed, s, e, node)) for e in arms}
+        if {-1, 1} <= sides:
+            out.append(k)
+    return out
+
+
+def _arm(placed: Placed, s: Segments, edge: int, node: int) -> tuple[float, float]:
+    """Return a point on segment ``edge`` a little away from its end at ``node``."""
+    length = float(s.length[edge])
+    step = min(STEP_UM, 0.5 * length)
+    at = step if placed.nodes[edge][0] == node else length - step
+    x, y = points_at(s.take(np.array([edge])), np.array([at]))
+    return float(x[0]), float(y[0])
+
+
+def _side(s: Segments, on: int, point: tuple[float, float]) -> int:
+    """Return +1 or -1 for the side of segment ``on`` that a point lies on, 0 for on it."""
+    x, y = point
+    if s.turn[on]:
+        off = float(np.hypot(x - s.cx[on], y - s.cy[on]) - s.radius[on])
+    else:
+        off = float((y - s.y0[on]) * s.ux[on] - (x - s.x0[on]) * s.uy[on])
+    return 0 if abs(off) <= TOUCH_UM else (1 if off > 0 else -1)
+
+
+def _grouped(
+    hits: crossings.Crossings, which: Bools, pairs: tuple[Ints, Ints]
+) -> list[tuple[tuple[int, int], list[int]]]:
+    """Return hits by pair of contours, each from the lowest place on, pairs in that order too."""
+    k = np.flatnonzero(which)
+    k = k[np.lexsort((hits.x[k], hits.y[k]))]
+    groups: dict[tuple[int, int], list[int]] = {}
+    for h in k.tolist():
+        a, b = int(pairs[0][h]), int(pairs[1][h])
+        groups.setdefault((min(a, b), max(a, b)), []).append(h)
+    return list(groups.items())
+
+
+def _crossings(
+    placed: Placed,
+    sources: tuple[Span, ...],
+    hits: crossings.Crossings,
+    which: Bools,
+    pairs: tuple[Ints, Ints],
+) -> list[Diagnostic]:
+    """Return one error for each contour that crosses itself and each pair that crosses."""
+    found = []
+    groups = _grouped(hits, which, pairs)
+    for (a, b), group in groups[:LISTED]:
+        places = _places(hits, group)
+        times = f", and at {len(places) - 1} further places" if len(places) > 1 else ""
+        first, second = _two(placed, sources, int(hits.i[group[0]]), int(hits.j[group[0]]))
+        where = place(1e3 * places[0][0], 1e3 * places[0][1])
+        code, text, hint = (
+            ("self-crossing", f"a contour crosses itself at {where}{times}", "redraw it there")
+            if a == b
+            else (
+                "crossing-contours",
+                f"two contours cross at {where}{times}",
+                "trim them, or put what is not to be cut on a layer of its own",
+            )
+        )
+        notes = (("it meets this", second),)
+        found.append(error(code, text, first, notes=notes, hint=hint, points_mm=places))
+    if len(groups) > LISTED:
+        more = len(groups) - LISTED
+        found.append(error("crossing-contours", f"{more} further pairs cross", count=more))
+    return found
+
+
+def _touches(
+    placed: Placed,
+    sources: tuple[Span, ...],
+    s: Segments,
+    hits: crossings.Crossings,
+    which: Bools,
+    pairs: tuple[Ints, Ints],
+    crossed: set[tuple[int, int]],
+) -> list[Diagnostic]:
+    """Return one warning for each pair of contours that touch and do not cross."""
+    found = []
+    touching: dict[tuple[int, int], tuple[tuple[float, float], int, int]] = {}
+    for pair, group in _grouped(hits, which, pairs):
+        touching[pair] = _places(hits, group)[0], int(hits.i[group[0]]), int(hits.j[group[0]])
+    for pair, spot, i, j in _common_nodes(placed, s):
+        touching.setdefault(pair, (spot, i, j))
+    rest = sorted(
+        (spot[1], spot[0], pair, i, j)
+        for pair, (spot, i, j) in touching.items()
+        if pair not in crossed
+    )
+    for y, x, (a, b), i, j in rest[:LISTED]:
+        first, second = _two(placed, sources, i, j)
+        who = "a contour touches itself" if a == b else "two contours touch"
+        found.append(
+            warning(
+                "contours-touch",
+                f"{who} at {place(1e3 * x, 1e3 * y)}; nothing is left of the material there",
+                first,
+                notes=(("it touches this", second),),
+                points_mm=((x, y),),
+            )
+        )
+    if len(rest) > LISTED:
+        more = len(rest) - LISTED
+        found.append(warning("contours-touch", f"contours touch at {more} more", count=more))
+    return found
+
+
+def _common_nodes(
+    placed: Placed, s: Segments
+) -> list[tuple[tuple[int, int], tuple[float, float], int, int]]:
+    """Return pairs of contours that share a vertex, where, and a segment of each."""
+    n = len(placed.nodes)
+    node = placed.nodes.reshape(-1)
+    owner = np.repeat(placed.owner[:n], 2)
+    order = np.lexsort((owner, node))
+    order = order[owner[order] >= 0]
+    next_to = node[order][1:] == node[order][:-1]
+    other = owner[order][1:] != owner[order][:-1]
+    out = []
+    for k in np.flatnonzero(next_to & other).tolist():
+        a, b = int(order[k]), int(order[k + 1])
+        i, j = a // 2, b // 2
+        x, y = (s.x1[i], s.y1[i]) if a % 2 else (s.x0[i], s.y0[i])
+        pair = sorted((int(owner[a]), int(owner[b])))
+        out.append(((pair[0], pair[1]), (float(x) / 1e3, float(y) / 1e3), i, j))
+    return out
+
+
+def _places(hits: crossings.Crossings, group: list[int]) -> tuple[tuple[float, float], ...]:
+    """Return the different places of some hits, mm."""
+    places: list[tuple[float, float]] = []
+    seen = set()
+    for k in group:
+        spot = (float(hits.x[k]) / 1e3, float(hits.y[k]) / 1e3)
+        key = (round(spot[0], 4), round(spot[1], 4))
+        if key not in seen:
+            seen.add(key)
+            places.append(spot)
+    return tuple(places)

@@ -1,0 +1,619 @@
+"""The judge: decoded blocks against the plan and, on its own, against the part's outlines.
+
+It did not make the program and shares no geometry with what made it. What is proven is in
+``deviation`` (the wire's way is the planned route, run once, in order, in its sense) and in
+``material`` (the wire stays out of what is kept and reaches all of the outline it can reach).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, error, has_errors, note, warning
+from wedmcam.ir.plan import Cut, Plan
+from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.verify.deviation import SLOP, Measured, measure
+from wedmcam.verify.material import Kept, coverage, kept_material, wrong_side
+from wedmcam.verify.route import Route, plan_route
+from wedmcam.verify.runs import Assigned, assign, mm, runs, span_of
+from wedmcam.verify.segments import Bools, Floats, Ints, points_at
+from wedmcam.verify.track import LOST, Track, track
+from wedmcam.verify.verdict import BlockTable, Count, CutVerdict, Verdict
+from wedmcam.verify.walk import Walk, walk
+
+#: How far from the asked length of the stop the pause may be, um: it is rounded to the micron, and
+#: a vertex next to it may be taken for it.
+STOP_ROOM = 5.0
+
+#: A recomputed end may miss by the rounding of its own formula: what closes a contour of a
+#: controller that recomputes arc ends, um (ours: no source has it).
+TEXTBOOK_CLOSURE = 2.0
+
+
+class Limits(Protocol):
+    """What the judge asks of a machine's limits, um, inclusive."""
+
+    @property
+    def count_um(self) -> int:
+        """Largest count length J."""
+
+    @property
+    def line_um(self) -> int:
+        """Largest |x| and |y| of a line or move."""
+
+    @property
+    def arc_um(self) -> int:
+        """Largest |x| and |y| of an arc's start from its centre."""
+
+
+def judge(
+    program: Program,
+    plan: Plan,
+    *,
+    table: LineTable,
+    limits: Limits | None = None,
+    count: Count = "exact",
+    path_limit_um: float = 2.0,
+    gouge_limit_um: float = 1.6,
+    strict_order: bool = True,
+    trimmed: bool = False,
+) -> tuple[Verdict, list[Diagnostic]]:
+    """Judge a decoded program.
+
+    Args:
+        program: as decoded from the bytes; ``origin`` is where its first block starts, drawing um.
+        plan: the exact routes, the outlines of the part, the side and the offset.
+        table: how the controller steps lines.
+        limits: of the machine; None for none.
+        count: "exact" for a controller that counts steps; "textbook" for one that recomputes arc
+            ends: then the verdict is for that one, and what a step-counting controller would do
+            is told beside it.
+        path_limit_um: largest deviation between the wire's way and the exact route, either way.
+        gouge_limit_um: largest depth of the wire in the kept material.
+        strict_order: False proves the part only: order, sense, start and leads may differ from the
+            plan's and are notes.
+        trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
+            missing are warnings then.
+
+    Returns:
+        The verdict, and findings; ``ok`` is that none of them is an error.
+    """
+    findings = _check_blocks(program, limits)
+    way = walk(program, table, textbook=count == "textbook")
+    bad = np.flatnonzero(way.steps < 0)
+    for row in bad[:5].tolist():
+        findings.append(
+            error(
+                "endless-block",
+                f"block {row + 1} never ends: x {int(program.blocks['x'][row])} y "
+                f"{int(program.blocks['y'][row])} um, J {int(program.blocks['count'][row])} um",
+                span_of(program, row),
+            )
+        )
+    case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order)
+    verdict, found = case.judge(way, count)
+    findings.extend(found)
+    if count == "textbook":
+        stepped, _ = case.judge(walk(program, table), "exact")
+        verdict = replace(
+            verdict,
+            stepped_closure_um=stepped.closure_um,
+            stepped_max_deviation_um=stepped.max_deviation_um,
+            stepped_gouge_um=stepped.gouge_um,
+        )
+        if not stepped.ok:
+            closure = stepped.closure_um
+            findings.append(
+                warning(
+                    "stepped-differs",
+                    "a controller that counts steps would leave the wire path by "
+                    f"{stepped.max_deviation_um / 1000.0:.3f} mm and close the contours within "
+                    f"{'no' if closure is None else f'{closure / 1000.0:.3f}'} mm",
+                    hint="compile with --count exact for such a controller",
+                )
+            )
+    return replace(verdict, ok=not has_errors(findings)), findings
+
+
+def _check_blocks(program: Program, limits: Limits | None) -> list[Diagnostic]:
+    """Report blocks over a limit or without a step; the first five of a sort, then their number."""
+    b = program.blocks
+    motion = np.isin(b["kind"], (Kind.LINE, Kind.ARC, Kind.MOVE))
+    findings: list[Diagnostic] = []
+
+    def report(code: str, mask: Bools, what: str, value: Ints, most: int | None) -> None:
+        rows = np.flatnonzero(mask)
+        for row in rows[:5].tolist():
+            bound = "" if most is None else f", the limit is {most / 1000.0:.3f} mm"
+            more = f" (and {len(rows) - 5} more)" if row == rows[min(4, len(rows) - 1)] else ""
+            findings.append(
+                error(
+                    code,
+                    f"block {row + 1}: {what} is {int(value[row]) / 1000.0:.3f} mm{bound}"
+                    + (more if len(rows) > 5 else ""),
+                    span_of(program, row),
+                )
+            )
+
+    empty = motion & ((b["count"] <= 0) | ((b["x"] == 0) & (b["y"] == 0)))
+    report("empty-block", empty, "count length J", b["count"], None)
+    if limits is not None:
+        size = np.maximum(np.abs(b["x"]), np.abs(b["y"]))
+        arc = b["kind"] == Kind.ARC
+        report(
+            "block-limit",
+            motion & (b["count"] > limits.count_um),
+            "count length J",
+            b["count"],
+            limits.count_um,
+        )
+        report(
+            "block-limit", motion & ~arc & (size > limits.line_um), "x or y", size, limits.line_um
+        )
+        report(
+            "block-limit", arc & (size > limits.arc_um), "start from centre", size, limits.arc_um
+        )
+    return findings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Case:
+    """One program and plan, judged once a machine."""
+
+    program: Program
+    plan: Plan
+    path_limit_um: float
+    gouge_limit_um: float
+    trimmed: bool
+    strict_order: bool
+
+    def judge(self, way: Walk, count: Count) -> tuple[Verdict, list[Diagnostic]]:
+        """Judge what one machine does."""
+        findings: list[Diagnostic] = []
+        if self.strict_order:
+            assigned, found = assign(self.program, runs(way), self.plan.cuts)
+            cuts = [self.plan.cuts[a.cut] for a in assigned]
+            backwards = [False] * len(cuts)
+            route = None
+            if cuts:
+                retrace = [_retraces(way, a, c) for a, c in zip(assigned, cuts, strict=True)]
+                route = plan_route(cuts, retrace)
+        else:
+            from wedmcam.verify.match import match
+
+            assigned, cuts, route, backwards, found = match(way, self.program, self.plan)
+        findings.extend(found)
+        if route is None:
+            return self._nothing(way, count, findings), findings
+
+        index = np.concatenate([a.index for a in assigned])
+        cut_of = np.repeat(np.arange(len(assigned)), [len(a.index) for a in assigned])
+        t = _follow(way, route, assigned)
+        done = ~np.isnan(t.high)
+        judged = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
+        kept = kept_material(self.plan, route, judged)
+        m = measure(way, index[done], t.low[done], t.high[done], route, kept)
+
+        role = _roles(route, t)
+        lead = np.zeros(len(index), bool)
+        lead[done] = np.isin(role[done], (Role.LEAD_IN, Role.LEAD_OUT))
+        deviation = np.full(len(index), np.nan)
+        deviation[done] = m.deviation
+        lost = dict(t.lost)
+        findings.extend(self._path_findings(way, index, cut_of, assigned, t, m, done, deviation))
+        closures = []
+        for k in range(len(assigned)):
+            closure, found = self._ends(way, assigned[k], cuts[k], route, t, cut_of, k, count)
+            closures.append(closure)
+            findings.extend(found)
+
+        gouge, uncut = None, None
+        if kept is not None:
+            gouge = self._gouge(findings, kept, route, judged, m, index[done])
+        if self.plan.side in ("part", "die"):
+            uncut = self._coverage(findings, route)
+
+        lengths = way.lengths()[index]
+        steps = way.steps[index]
+        rows = []
+        for k, a in enumerate(assigned):
+            mine = cut_of == k
+            own = deviation[mine & ~lead & done]
+            away = [lost[b] for b in np.flatnonzero(mine).tolist() if b in lost]
+            leads = deviation[mine & lead]
+            rows.append(
+                CutVerdict(
+                    number=a.cut + 1,
+                    first_block=int(a.index[0]) + 1,
+                    last_block=int(a.index[-1]) + 1,
+                    blocks=len(a.index),
+                    steps=int(steps[mine].sum()),
+                    closed=bool(route.closed[k]),
+                    closure_um=closures[k],
+                    max_deviation_um=max(float(own.max(initial=0.0)), *away, 0.0),
+                    lead_deviation_um=float(leads.max(initial=0.0)),
+                    length_mm=float(lengths[mine].sum()) / 1000.0,
+                    backwards=backwards[k],
+                )
+            )
+        nominal = np.full((len(index), 2), np.nan)
+        nominal[done] = _places(route, t.high[done])
+        stepped = way.end[index]
+        low, high = np.full(len(index), np.nan), np.full(len(index), np.nan)
+        low[done], high[done] = m.low, m.high
+        closed = [c for c in closures if c is not None]
+        kind = way.blocks["kind"]
+        return (
+            Verdict(
+                ok=not has_errors(findings),
+                count=count,
+                closure_um=max(closed) if closed else None,
+                max_deviation_um=max((r.max_deviation_um for r in rows), default=0.0),
+                lead_deviation_um=max((r.lead_deviation_um for r in rows), default=0.0),
+                gouge_um=gouge,
+                uncut_um=uncut,
+                contours=len(assigned),
+                blocks=int(way.cutting.sum()),
+                steps=int(np.maximum(way.steps[way.cutting], 0).sum()),
+                moves=int((kind == Kind.MOVE).sum()),
+                controls=int((kind >= Kind.PAUSE).sum()),
+                path_mm=float(way.lengths()[way.cutting].sum()) / 1000.0,
+                extents_um=_extents(m.extents, stepped),
+                origin_um=self.program.origin,
+                offset_um=self.plan.offset_um,
+                side=str(self.plan.side),
+                path_limit_um=self.path_limit_um,
+                gouge_limit_um=self.gouge_limit_um,
+                cuts=tuple(rows),
+                table=BlockTable(
+                    index + 1,
+                    np.array([a.cut + 1 for a in assigned])[cut_of],
+                    nominal,
+                    stepped,
+                    np.hypot(stepped[:, 0] - nominal[:, 0], stepped[:, 1] - nominal[:, 1]),
+                    low,
+                    high,
+                ),
+            ),
+            findings,
+        )
+
+    def _nothing(self, way: Walk, count: Count, findings: list[Diagnostic]) -> Verdict:
+        """Return the verdict on a program in which nothing belongs to the plan."""
+        none, empty = np.zeros(0), np.zeros((0, 2))
+        kind = way.blocks["kind"]
+        if not self.plan.cuts and not way.cutting.any():
+            findings.append(error("missing-cut", "the plan has no cut and the program no block"))
+        x, y = self.program.origin
+        return Verdict(
+            ok=not has_errors(findings),
+            count=count,
+            closure_um=None,
+            max_deviation_um=0.0,
+            lead_deviation_um=0.0,
+            gouge_um=None,
+            uncut_um=None,
+            contours=0,
+            blocks=int(way.cutting.sum()),
+            steps=int(np.maximum(way.steps[way.cutting], 0).sum()),
+            moves=int((kind == Kind.MOVE).sum()),
+            controls=int((kind >= Kind.PAUSE).sum()),
+            path_mm=float(way.lengths()[way.cutting].sum()) / 1000.0,
+            extents_um=(x, y, x, y),
+            origin_um=self.program.origin,
+            offset_um=self.plan.offset_um,
+            side=str(self.plan.side),
+            path_limit_um=self.path_limit_um,
+            gouge_limit_um=self.gouge_limit_um,
+            cuts=(),
+            table=BlockTable(
+                none.astype(np.int64),
+                none.astype(np.int64),
+                empty,
+                empty.astype(np.int64),
+                none,
+                none,
+                none,
+            ),
+        )
+
+    def _path_findings(
+        self,
+        way: Walk,
+        index: Ints,
+        cut_of: Ints,
+        assigned: list[Assigned],
+        t: Track,
+        m: Measured,
+        done: Bools,
+        deviation: Floats,
+    ) -> list[Diagnostic]:
+        """Report, for each cut, the first block that leaves its route or its turn."""
+        findings = []
+        stray = np.zeros(len(index))
+        stray[done] = m.stray
+        off = np.flatnonzero(np.nan_to_num(deviation) > self.path_limit_um)
+        wild = np.flatnonzero(stray > SLOP)
+        lost = dict(t.lost)
+        for k, a in enumerate(assigned):
+            name = f"cut {a.cut + 1}"
+            mine = off[cut_of[off] == k]
+            strays = wild[cut_of[wild] == k]
+            gone = [b for b in lost if cut_of[b] == k]
+            if len(strays) and (not len(mine) or strays[0] <= mine[0]):
+                b = int(strays[0])
+                findings.append(
+                    self._block_error(
+                        "wrong-order",
+                        way,
+                        int(index[b]),
+                        f"does not run {name} once and in its sense: it is "
+                        f"{stray[b] / 1000.0:.3f} mm along the wire path from its turn",
+                    )
+                )
+            if len(mine):
+                b = int(mine[0])
+                more = f"; {len(mine) - 1} more blocks of the cut do" if len(mine) > 1 else ""
+                findings.append(
+                    self._block_error(
+                        "path-deviation",
+                        way,
+                        int(index[b]),
+                        f"leaves the wire path of {name} by {deviation[b] / 1000.0:.5f} mm (limit "
+                        f"{self.path_limit_um / 1000.0:.5f} mm){more}",
+                    )
+                )
+            for b in gone:
+                on_path = lost[b] <= self.path_limit_um
+                text = (
+                    f"is on the wire path of {name} out of its turn"
+                    if on_path
+                    else f"ends {lost[b] / 1000.0:.3f} mm beside the wire path of {name}"
+                )
+                code = "wrong-order" if on_path else "path-deviation"
+                findings.append(self._block_error(code, way, int(index[b]), text))
+        return findings
+
+    def _block_error(self, code: str, way: Walk, row: int, text: str) -> Diagnostic:
+        x, y = way.end[row]
+        return error(
+            code,
+            f"block {row + 1} {text}; it ends at {mm(x, y)} mm",
+            span_of(self.program, row),
+            points_mm=((x / 1000.0, y / 1000.0),),
+        )
+
+    def _ends(
+        self,
+        way: Walk,
+        a: Assigned,
+        cut: Cut,
+        route: Route,
+        t: Track,
+        cut_of: Ints,
+        k: int,
+        count: Count,
+    ) -> tuple[float | None, list[Diagnostic]]:
+        """Return the closure of one cut, and report its ends and its pauses."""
+        findings: list[Diagnostic] = []
+        rows = np.flatnonzero(cut_of == k)
+        high = t.high[rows]
+        if np.isnan(high).any():
+            return None, findings  # lost: reported
+        last = int(a.index[-1])
+        end = way.end[last]
+        if high[-1] < route.high[k] - LOST:
+            left = float(route.high[k] - high[-1]) / 1000.0
+            findings.append(
+                self._block_error(
+                    "missing-piece",
+                    way,
+                    last,
+                    f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end",
+                )
+            )
+        elif self.strict_order and route.closed[k] and tuple(end.tolist()) != cut.thread:
+            tx, ty = cut.thread
+            findings.append(
+                self._block_error(
+                    "thread-point",
+                    way,
+                    last,
+                    f"does not return to the thread point {mm(tx, ty)} mm of cut {a.cut + 1}",
+                )
+            )
+        if self.strict_order:
+            findings.extend(self._pauses(way, a, cut, route, high, k))
+        if not route.closed[k]:
+            return None, findings
+        places = np.concatenate([way.start[a.index[:1]], way.end[a.index]])
+        at = np.concatenate([t.low[rows[:1]], high])
+        p0 = int(np.argmin(np.abs(at - route.path_low[k])))
+        # The last of several that stand there.
+        p1 = len(at) - 1 - int(np.argmin(np.abs(at - route.path_high[k])[::-1]))
+        off = max(abs(at[p0] - route.path_low[k]), abs(at[p1] - route.path_high[k]))
+        block = int(a.index[max(p1 - 1, 0)])
+        if off > LOST:
+            findings.append(
+                self._block_error(
+                    "not-closed",
+                    way,
+                    block,
+                    f"is the last before the end of cut {a.cut + 1}, but no block ends where the "
+                    f"contour closes ({off / 1000.0:.3f} mm off)",
+                )
+            )
+            return None, findings
+        closure = float(np.hypot(*(places[p1] - places[p0])))
+        limit = TEXTBOOK_CLOSURE if count == "textbook" else 0.0
+        if closure > limit:
+            x, y = places[p0]
+            findings.append(
+                self._block_error(
+                    "not-closed",
+                    way,
+                    block,
+                    f"ends cut {a.cut + 1} {closure / 1000.0:.4f} mm from where it started "
+                    f"({mm(x, y)} mm)",
+                )
+            )
+        elif closure > 0:
+            findings.append(
+                note(
+                    "not-closed",
+                    f"cut {a.cut + 1} closes within {closure / 1000.0:.4f} mm on a controller that "
+                    "recomputes arc ends",
+                )
+            )
+        return closure, findings
+
+    def _pauses(
+        self, way: Walk, a: Assigned, cut: Cut, route: Route, high: Floats, k: int
+    ) -> list[Diagnostic]:
+        """Report a pause that is missing, too many, or elsewhere."""
+        at = [float(high[p - 1]) for p in a.pauses]
+        wanted = float(route.path_high[k]) - cut.stop_um
+        if cut.stop_um <= 0 or cut.stop_um >= route.path_high[k] - route.path_low[k]:
+            wanted = float("nan")
+        findings = []
+        hits = [abs(one - wanted) <= STOP_ROOM for one in at]
+        for p, hit in zip(a.pauses, hits, strict=True):
+            if not hit:
+                findings.append(
+                    self._block_error(
+                        "stop-point",
+                        way,
+                        int(a.index[p - 1]),
+                        f"is followed by a pause in the middle of cut {a.cut + 1}, where none is "
+                        "asked for",
+                    )
+                )
+        if not np.isnan(wanted) and sum(hits) != 1:
+            x, y = _places(route, np.array([wanted]))[0]
+            findings.append(
+                error(
+                    "stop-point",
+                    f"cut {a.cut + 1} has {sum(hits)} pauses {cut.stop_um / 1000.0:.3f} mm before "
+                    f"its end, at {mm(x, y)} mm; one is asked for",
+                    span_of(self.program, int(a.index[-1])),
+                    points_mm=((float(x) / 1000.0, float(y) / 1000.0),),
+                )
+            )
+        return findings
+
+    def _gouge(
+        self,
+        findings: list[Diagnostic],
+        kept: Kept,
+        route: Route,
+        judged: Bools,
+        m: Measured,
+        index: Ints,
+    ) -> float:
+        """Return gouge_um, and report it where it is over the limit."""
+        depth = max(0.0, m.gouge)
+        for c, x, y, um in wrong_side(kept, route, judged):
+            findings.append(
+                error(
+                    "gouge",
+                    f"the wire path of cut {c + 1} runs inside the material that is to be kept at "
+                    f"{mm(x, y)} mm; the wire is {um / 1000.0:.3f} mm deep in it",
+                    points_mm=((x / 1000.0, y / 1000.0),),
+                    hint="check --side part or die, and the sense of the contour",
+                )
+            )
+            depth = max(depth, um)
+        if m.gouge > self.gouge_limit_um:
+            x, y = m.gouge_at
+            row = int(index[m.gouge_block])
+            findings.append(
+                error(
+                    "gouge",
+                    f"block {row + 1}: the wire enters the kept material by "
+                    f"{m.gouge / 1000.0:.5f} mm at {mm(x, y)} mm (limit "
+                    f"{self.gouge_limit_um / 1000.0:.5f} mm)",
+                    span_of(self.program, row),
+                    points_mm=((x / 1000.0, y / 1000.0),),
+                )
+            )
+        return depth
+
+    def _coverage(self, findings: list[Diagnostic], route: Route) -> float:
+        """Return uncut_um, and report pieces that are missing."""
+        c = coverage(self.plan, route)
+        say = warning if self.trimmed else error
+        for outline, share, x, y, um in c.missing:
+            how = f"the wire stays {um / 1000.0:.3f} mm off it" if np.isfinite(um) else "no cut"
+            what = "is not cut" if share == 1 else f"is not cut on {share:.0%} of its segments"
+            findings.append(
+                say(
+                    "missing-piece",
+                    f"outline {outline + 1} {what}, first at {mm(x, y)} mm: {how}",
+                    points_mm=((x / 1000.0, y / 1000.0),),
+                )
+            )
+        if c.uncut_um > self.path_limit_um:
+            x, y = c.uncut_at
+            findings.append(
+                note(
+                    "uncut-corner",
+                    f"the round wire leaves up to {c.uncut_um / 1000.0:.3f} mm in inner corners, "
+                    f"most at {mm(x, y)} mm",
+                    points_mm=((x / 1000.0, y / 1000.0),),
+                )
+            )
+        return c.uncut_um
+
+
+def _retraces(way: Walk, a: Assigned, cut: Cut) -> bool:
+    """Return whether the last block leaves from the start of the path, not from the overcut."""
+    if cut.overcut_um <= 0 or not cut.path.closed:
+        return False
+    start = way.start[int(a.index[-1])]
+    v = cut.path.vertices[0]
+    return bool(np.hypot(start[0] - v["x"], start[1] - v["y"]) <= LOST)
+
+
+def _follow(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:
+    """Track all blocks of all cuts."""
+    count = np.array([len(a.index) for a in assigned])
+    index = np.concatenate([a.index for a in assigned])
+    head = np.cumsum(count + 1) - (count + 1)
+    is_start = np.zeros(len(index) + len(assigned), bool)
+    is_start[head] = True
+    places = np.empty((len(is_start), 2))
+    places[is_start] = way.start[[int(a.index[0]) for a in assigned]]
+    places[~is_start] = way.end[index]
+    length = np.zeros(len(is_start))
+    length[~is_start] = way.lengths()[index]
+    cut = np.repeat(np.arange(len(assigned)), count + 1)
+    return track(route, places[:, 0].copy(), places[:, 1].copy(), length, cut)
+
+
+def _roles(route: Route, t: Track) -> Ints:
+    """Return the role of each block: that of the segment under the middle of its stretch."""
+    middle = np.nan_to_num((t.low + t.high) / 2.0)
+    segment = np.clip(np.searchsorted(route.at, middle, "right") - 1, 0, len(route.at) - 1)
+    return np.asarray(route.role[segment])
+
+
+def _places(route: Route, at: Floats) -> Floats:
+    """Return points of the route at a progress, shape (n, 2)."""
+    segment = np.clip(np.searchsorted(route.at, at, "left") - 1, 0, len(route.at) - 1)
+    held = route.segments.take(segment)
+    x, y = points_at(held, at - route.at[segment])
+    return np.column_stack([x, y])
+
+
+def _extents(e: Floats, stepped: Ints) -> tuple[float, float, float, float]:
+    """Return the box of all places, block ends that were not measured included."""
+    return (
+        float(min(e[0], stepped[:, 0].min())),
+        float(min(e[1], stepped[:, 1].min())),
+        float(max(e[2], stepped[:, 0].max())),
+        float(max(e[3], stepped[:, 1].max())),
+    )

@@ -1,0 +1,253 @@
+"""Whose contour is it: programs with an order, a sense, a start or leads of their own.
+
+An old program cuts the same part its own way. Each closed piece of it is matched with a planned
+wire path by where it lies; the path is turned and begun as the program has it, and what the program
+does before and after is taken as its leads, whose only duty is to stay out of the kept material.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, error, note
+from wedmcam.ir.plan import Cut, Plan
+from wedmcam.ir.program import Kind, Program, Role
+from wedmcam.verify.route import Route, assemble
+from wedmcam.verify.runs import Assigned, mm, runs, span_of
+from wedmcam.verify.segments import (
+    Floats,
+    Ints,
+    Segments,
+    boxes,
+    join,
+    of_contour,
+    point_distance,
+    reverse,
+    segments,
+    sub_segments,
+)
+from wedmcam.verify.track import LOST, progress
+from wedmcam.verify.walk import Walk
+
+#: A loop of the program and a planned path whose boxes differ by more are not the same, um.
+SAME_BOX = LOST
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """Blocks between two threadings, and the contour among them.
+
+    Attributes:
+        index: rows of the program.
+        pauses: positions in ``index`` after which the machine pauses.
+        first: position of the first block of the contour.
+        last: one past the last.
+        closed: the contour ends where it starts, within `LOST`.
+        box: of the contour's places, x low, y low, x high, y high.
+        area: signed, um^2; > 0 counter-clockwise.
+    """
+
+    index: Ints
+    pauses: tuple[int, ...]
+    first: int
+    last: int
+    closed: bool
+    box: Floats
+    area: float
+
+
+def pieces(way: Walk) -> list[Piece]:
+    """Part a program at moves, and at pauses where the wire is back where it was threaded."""
+    out = []
+    held: list[Ints] = []
+    pauses: list[int] = []
+    start = end = (0, 0)
+    for run in runs(way):
+        if held and (not run.joined or end == start):
+            out.append(_piece(way, np.concatenate(held), tuple(pauses)))
+            held, pauses = [], []
+        if held:
+            pauses.append(sum(len(h) for h in held))
+        else:
+            start = run.start
+        held.append(run.index)
+        end = run.end
+    if held:
+        out.append(_piece(way, np.concatenate(held), tuple(pauses)))
+    return out
+
+
+def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
+    """Find the contour among blocks: leads that are retraced are left out."""
+    ends = np.concatenate([way.start[index[:1]], way.end[index]])
+    line = way.blocks["kind"][index] == Kind.LINE
+    first, last = 0, len(index)
+    if (ends[first] == ends[last]).all():
+        while (
+            last - first > 2
+            and line[first]
+            and line[last - 1]
+            and (ends[first + 1] == ends[last - 1]).all()
+        ):
+            first, last = first + 1, last - 1
+    else:
+        # No way back to the thread point: the longest closed stretch that begins early.
+        best = (0, 0, len(index))
+        for a in range(min(6, len(index))):
+            off = np.hypot(*(ends[a + 1 :] - ends[a]).T)
+            near = np.flatnonzero(off <= LOST)
+            if len(near) and int(near[-1]) + 1 > best[0]:
+                best = (int(near[-1]) + 1, a, a + 1 + int(near[-1]))
+        first, last = best[1], best[2]
+    closed = bool(np.hypot(*(ends[last] - ends[first]).astype(float)) <= LOST)
+    x, y, _ = way.points(index[first:last])
+    u, v = x - x[0], y - y[0]
+    area = float(np.dot(u, np.roll(v, -1)) - np.dot(np.roll(u, -1), v)) / 2.0
+    box = np.array([x.min(), y.min(), x.max(), y.max()])
+    return Piece(index, pauses, first, last, closed, box, area)
+
+
+def path_box(cut: Cut) -> Floats:
+    """Return the box of a planned wire path: x low, y low, x high, y high."""
+    b = boxes(of_contour(cut.path))
+    return np.concatenate([b[:, :2].min(axis=0), b[:, 2:].max(axis=0)])
+
+
+def path_area(s: Segments) -> float:
+    """Return the signed area of a closed chain of segments, um^2."""
+    x0, y0 = float(s.ax[0]), float(s.ay[0])
+    chords = (s.ax - x0) * (s.by - y0) - (s.bx - x0) * (s.ay - y0)
+    caps = s.turn * s.radius**2 * (2.0 * s.half - np.sin(2.0 * s.half))
+    return float((chords + caps).sum()) / 2.0
+
+
+def match(
+    way: Walk, program: Program, plan: Plan
+) -> tuple[list[Assigned], list[Cut], Route | None, list[bool], list[Diagnostic]]:
+    """Match the pieces of a program with the planned cuts.
+
+    Returns:
+        The blocks of each cut in the program's order, the cuts, the route as the program takes it,
+        whether each runs against the plan's sense, and findings: an error for each cut that is
+        missing and each piece that is none; notes for what is other than planned.
+    """
+    findings: list[Diagnostic] = []
+    wanted = [path_box(c) for c in plan.cuts]
+    free = set(range(len(plan.cuts)))
+    assigned: list[Assigned] = []
+    backwards: list[bool] = []
+    parts: list[tuple[Segments, int, int]] = []
+    for piece in pieces(way):
+        order = sorted(free, key=lambda k: (float(np.abs(wanted[k] - piece.box).max()), k))
+        if not order or np.abs(wanted[order[0]] - piece.box).max() > SAME_BOX:
+            findings.append(_stranger(way, program, piece))
+            continue
+        k = order[0]
+        free.remove(k)
+        path, back = _as_run(way, piece, plan.cuts[k])
+        number = len(assigned)
+        parts.append((_own(way, piece.index[: piece.first]), int(Role.LEAD_IN), number))
+        parts.append((path, int(Role.CONTOUR), number))
+        parts.append((_own(way, piece.index[piece.last :]), int(Role.LEAD_OUT), number))
+        assigned.append(Assigned(k, piece.index, piece.pauses))
+        backwards.append(back)
+    for k in sorted(free):
+        x, y = wanted[k][:2]
+        findings.append(
+            error(
+                "missing-cut",
+                f"cut {k + 1} (contour {plan.cuts[k].number}, low corner {mm(x, y)} mm) is not in "
+                "the program",
+                points_mm=((float(x) / 1000.0, float(y) / 1000.0),),
+            )
+        )
+    if not assigned:
+        return [], [], None, [], findings
+    cuts = [plan.cuts[a.cut] for a in assigned]
+    order_ = [a.cut for a in assigned]
+    if order_ != sorted(order_):
+        said = ", ".join(str(k + 1) for k in order_)
+        findings.append(note("other-order", f"the program cuts the contours in the order {said}"))
+    for a, back in zip(assigned, backwards, strict=True):
+        if back:
+            findings.append(
+                note(
+                    "other-order",
+                    f"cut {a.cut + 1} is run against the sense of the plan",
+                    span_of(program, int(a.index[0])),
+                )
+            )
+        x, y = (int(v) for v in way.start[int(a.index[0])])
+        if (x, y) != plan.cuts[a.cut].thread:
+            tx, ty = plan.cuts[a.cut].thread
+            findings.append(
+                note(
+                    "other-order",
+                    f"cut {a.cut + 1} is threaded at {mm(x, y)} mm, not at {mm(tx, ty)} mm",
+                    span_of(program, int(a.index[0])),
+                )
+            )
+    held = join(p[0] for p in parts)
+    role = np.concatenate([np.full(len(p[0]), p[1]) for p in parts])
+    cut_of = np.concatenate([np.full(len(p[0]), p[2]) for p in parts])
+    closed = np.array([c.path.closed for c in cuts])
+    thread = way.start[[int(a.index[0]) for a in assigned]]
+    return assigned, cuts, assemble(held, role, cut_of, closed, thread), backwards, findings
+
+
+def _stranger(way: Walk, program: Program, piece: Piece) -> Diagnostic:
+    first = int(piece.index[0])
+    x, y = way.start[first]
+    w, h = piece.box[2:] - piece.box[:2]
+    return error(
+        "extra-cut",
+        f"blocks {first + 1} to {int(piece.index[-1]) + 1} cut a contour of {w / 1000.0:.3f} x "
+        f"{h / 1000.0:.3f} mm that the plan does not have there",
+        span_of(program, first),
+        points_mm=((float(x) / 1000.0, float(y) / 1000.0),),
+    )
+
+
+def _own(way: Walk, index: Ints) -> Segments:
+    """Return blocks as the lines and arcs they are meant to be."""
+    b = way.blocks[index]
+    a, e = way.start[index].astype(float), way.end[index].astype(float)
+    turn = np.where(b["kind"] == Kind.ARC, b["turn"], 0).astype(float)
+    return segments(a[:, 0], a[:, 1], e[:, 0], e[:, 1], a[:, 0] - b["x"], a[:, 1] - b["y"], turn)
+
+
+def _as_run(way: Walk, piece: Piece, cut: Cut) -> tuple[Segments, bool]:
+    """Return the planned path in the sense, and from the start, that the program has."""
+    path = of_contour(cut.path)
+    begin = way.start[int(piece.index[piece.first])].astype(float)
+    if not cut.path.closed:
+        to_start = np.hypot(path.ax[0] - begin[0], path.ay[0] - begin[1])
+        back = bool(np.hypot(path.bx[-1] - begin[0], path.by[-1] - begin[1]) < to_start)
+        return (reverse(path) if back else path), back
+    back = (path_area(path) > 0) != (piece.area > 0)
+    return begun(reverse(path) if back else path, begin[0], begin[1]), back
+
+
+def begun(path: Segments, x: float, y: float) -> Segments:
+    """Return a closed path begun at its point nearest to (x, y)."""
+    px, py = np.full(len(path), x), np.full(len(path), y)
+    k = int(np.argmin(point_distance(path, px, py)))
+    one = path.take(slice(k, k + 1))
+    t = float(np.clip(progress(one, px[:1], py[:1])[0], 0.0, one.length[0]))
+    if t < 1.0 or t > one.length[0] - 1.0:
+        if one.half[0] >= np.pi:
+            return path
+        k += t > one.length[0] / 2.0
+        return path.take(np.roll(np.arange(len(path)), -k))
+    head = sub_segments(one, np.array([t]), one.length)
+    tail = sub_segments(one, np.zeros(1), np.array([t]))
+    rest = path.take(np.roll(np.arange(len(path)), -k)[1:])
+    return join([head, rest, tail])
+
+
+def sizes(held: Sequence[Piece]) -> Floats:
+    """Return widths and heights of the contours, shape (n, 2)."""
+    return np.array([p.box[2:] - p.box[:2] for p in held]).reshape(-1, 2)

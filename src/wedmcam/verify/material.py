@@ -1,0 +1,291 @@
+"""What is to be kept, and whether the wire stays out of it and reaches all of its outline.
+
+Kept is decided from the outlines alone, never from the wire path: a point is inside the part where
+an odd number of closed outlines encloses it; ``part`` keeps that, ``die`` keeps all the rest, the
+infinite outside included. A wrong side, a wrong sense, a mirrored arc and a diameter taken for a
+radius all show here, even if the plan itself is wrong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wedmcam.ir.plan import Plan, Side
+from wedmcam.ir.program import Role
+from wedmcam.verify.route import Route, of_contours
+from wedmcam.verify.segments import (
+    Floats,
+    Ints,
+    Segments,
+    boxes,
+    inside_parity,
+    near_pairs,
+    nearest,
+    normals_at,
+    point_distance,
+    points_at,
+    segment_distance,
+    shifted,
+)
+
+#: Places deviate by up to this from their route where bounds on the gouge are used, um; beyond it
+#: the weaker bound holds.
+WIDTH = 2.0
+
+#: Fractions of a segment at which it is asked whether the wire reaches it.
+FRACTIONS = np.array([0.02, 0.25, 0.5, 0.75, 0.98])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kept:
+    """The kept material beside a route.
+
+    Attributes:
+        outlines: all closed outlines.
+        offset: radius of the wire with its gap, um.
+        part: whether the inside is kept.
+        here: offset minus the distance of each segment of the route from the outlines, um: how far
+            the exact route is too near. -inf where the segment is not judged (an open contour).
+        left: offset + WIDTH minus the distance of the segment moved `WIDTH` to its left: 0 where
+            that is away from all outlines, 2 WIDTH where it is towards them.
+        right: likewise to its right.
+        first: for each segment of the route, where its outlines begin in ``near``.
+        near: outlines beside the segments of the route.
+    """
+
+    outlines: Segments
+    offset: float
+    part: bool
+    here: Floats
+    left: Floats
+    right: Floats
+    first: Ints
+    near: Ints
+
+    def bound_piece(self, segment: Ints, low: Floats, high: Floats) -> Floats:
+        """Return how deep places may be that lie from ``low`` (right) to ``high`` (left), um."""
+        out = np.full(len(segment), -np.inf)
+        for away, side in ((np.maximum(high, 0.0), self.left), (np.maximum(-low, 0.0), self.right)):
+            grow = self.here[segment] + away
+            top = (self.here[segment] + side[segment]) / 2.0
+            out = np.maximum(out, np.where(away <= WIDTH, np.minimum(grow, top), grow))
+            out = np.where(np.isneginf(self.here[segment]), -np.inf, out)
+        return out
+
+    def bound(self, segment: Ints, v: Floats) -> Floats:
+        """Return how deep places may be that lie ``v`` to the left of their segment, um."""
+        away = np.abs(v)
+        side = np.where(v > 0, self.left[segment], self.right[segment])
+        grow = self.here[segment] + away
+        shrink = np.where(away <= WIDTH, side - away, np.inf)
+        return np.asarray(np.minimum(grow, shrink))
+
+    def depth(self, segment: Ints, x: Floats, y: Floats) -> Floats:
+        """Return how deep the wire at (x, y) is in the kept material, exact, um; negative: clear.
+
+        ``segment`` is the segment of the route that each place is at most a few um from. Places
+        farther from all outlines than ``offset`` and some um say -1.
+        """
+        n = self.first[segment + 1] - self.first[segment]
+        out = np.full(len(x), -1.0)
+        some = np.flatnonzero(n > 0)
+        if not len(some):
+            return out
+        n = n[some]
+        head = np.cumsum(n) - n
+        j = self.near[np.arange(n.sum()) + np.repeat(self.first[segment[some]] - head, n)]
+        d = point_distance(self.outlines.take(j), np.repeat(x[some], n), np.repeat(y[some], n))
+        out[some] = self.offset - np.minimum.reduceat(d, head)
+        # Where the route runs on the outline itself the sign is not known.
+        doubt = some[self.here[segment[some]] >= self.offset - WIDTH]
+        if len(doubt):
+            within = self.keeps(x[doubt], y[doubt])
+            out[doubt[within]] = 2.0 * self.offset - out[doubt[within]]
+        return out
+
+    def keeps(self, x: Floats, y: Floats) -> np.ndarray:
+        """Return whether points lie in the kept material."""
+        inside = inside_parity(self.outlines, x, y)
+        return inside if self.part else ~inside
+
+
+def kept_material(plan: Plan, route: Route, judged: np.ndarray) -> Kept | None:
+    """Return the kept material of a plan beside a route; None where no side was asked for.
+
+    Args:
+        plan: its outlines, side and offset count, its paths do not.
+        route: of the wire.
+        judged: for each cut of the route, whether it has to stay out of the kept material.
+    """
+    if plan.side not in (Side.PART, Side.DIE):
+        return None
+    outlines, _ = of_contours([c for c in plan.outlines if c.closed])
+    s = route.segments
+    reach = plan.offset_um + 2.0 * WIDTH + 1.0
+    i, j = near_pairs(boxes(s, reach), boxes(outlines))
+    use = judged[route.cut[i]]
+    i, j = i[use], j[use]
+    first = np.searchsorted(i, np.arange(len(s) + 1))
+    theirs = outlines.take(j)
+
+    def least(moved: Segments) -> Floats:
+        out = np.full(len(s), reach)
+        if len(i):
+            held = np.flatnonzero(np.diff(first) > 0)
+            d = segment_distance(moved.take(i), theirs)
+            out[held] = np.minimum(np.minimum.reduceat(d, first[held]), reach)
+        return out
+
+    offset = plan.offset_um
+    here = offset - least(s)
+    here[~judged[route.cut]] = -np.inf
+    left = offset + WIDTH - least(shifted(s, WIDTH))
+    right = offset + WIDTH - least(shifted(s, -WIDTH))
+    return Kept(outlines, offset, plan.side is Side.PART, here, left, right, first, j)
+
+
+def wrong_side(
+    kept: Kept, route: Route, judged: np.ndarray
+) -> list[tuple[int, float, float, float]]:
+    """Return (cut, x, y, um) of routes that run inside the kept material, one place a cut.
+
+    A route that keeps away from every outline never changes sides, so one point of it tells; of
+    others the start and middle of all their segments are tried. ``um`` is the depth of the wire.
+    """
+    s = route.segments
+    clear = kept.here < kept.offset - WIDTH
+    cuts = np.arange(len(route.closed))
+    all_clear = np.bincount(route.cut[~clear], minlength=len(cuts)) == 0
+    # One point of each cut: the middle of its first segment of the wire path.
+    one = np.searchsorted(route.at, route.path_low, "right") - 1
+    rows = np.concatenate([one[judged], np.flatnonzero(~all_clear[route.cut] & judged[route.cut])])
+    if not len(rows):
+        return []
+    rows = np.unique(rows)
+    held = s.take(rows)
+    x, y = points_at(held, held.length / 2.0)
+    x, y = np.concatenate([x, held.ax]), np.concatenate([y, held.ay])
+    cut = np.concatenate([route.cut[rows]] * 2)
+    at = np.concatenate([route.at[rows] + held.length / 2.0, route.at[rows]])
+    bad = np.flatnonzero(kept.keeps(x, y))
+    found = []
+    for c in np.unique(cut[bad]):
+        mine = bad[cut[bad] == c]
+        # On the outline parity says nothing; deepest first, then first along the route.
+        span = 4.0 * kept.offset + 4.0 * WIDTH
+        d, _ = nearest(kept.outlines, x[mine], y[mine], span)
+        d = np.minimum(d, span)
+        k = mine[np.lexsort((at[mine], -d))[0]]
+        if d.max() > 1e-3:
+            found.append((int(c), float(x[k]), float(y[k]), float(d.max()) + kept.offset))
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coverage:
+    """Which outlines the wire reaches.
+
+    Attributes:
+        uncut_um: the farthest that a point of an outline which no wire of this radius can reach
+            stays from being cut (inner corners), um; 0 when all is cut.
+        uncut_at: (x, y) of that point, um.
+        missing: (outline, share, x, y, um): 0-based outline, the share of its segments that could
+            be reached and are not, the first such place, and how far the wire stays from it beyond
+            the offset (inf: nothing near).
+    """
+
+    uncut_um: float
+    uncut_at: tuple[float, float]
+    missing: tuple[tuple[int, float, float, float, float], ...]
+
+
+def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
+    """Return what of the closed outlines the route leaves.
+
+    A point of an outline is cut where the wire's centre, set beside it at right angles on the
+    scrap side, is within ``tolerance`` of the route. Where it is not although no outline would be
+    nearer to the wire than the offset, a piece is missing; where an outline would be, no wire of
+    this radius gets there. Each segment is asked at five points, and at its start for the figure.
+    """
+    contours = [c for c in plan.outlines if c.closed]
+    depths = [d for c, d in zip(plan.outlines, plan.depths, strict=True) if c.closed]
+    which_outline = [k for k, c in enumerate(plan.outlines) if c.closed]
+    outlines, owner = of_contours(contours)
+    if not len(outlines):
+        return Coverage(0.0, (0.0, 0.0), ())
+    path_rows = np.flatnonzero((route.role == Role.CONTOUR) | (route.role == Role.OVERCUT))
+    path = route.segments.take(path_rows)
+    offset = plan.offset_um
+    # Left of a counter-clockwise outline is its inside. Scrap is outside of what is kept.
+    twice = outlines.ax * outlines.by - outlines.bx * outlines.ay
+    chord_caps = (
+        outlines.turn * outlines.radius**2 * (2.0 * outlines.half - np.sin(2.0 * outlines.half))
+    )
+    area = np.bincount(owner, twice + chord_caps, minlength=len(contours))
+    even = np.array([d % 2 == 0 for d in depths])
+    to_left = (area > 0) != (even == (plan.side is Side.PART))
+    sign = np.where(to_left, 1.0, -1.0)[owner]
+
+    reach = offset + 2.0 * tolerance + 1.0
+    k, j = near_pairs(boxes(path, reach), boxes(outlines))
+    order = np.lexsort((k, j))
+    j, k = j[order], k[order]
+    first = np.searchsorted(j, np.arange(len(outlines) + 1))
+    held = np.flatnonzero(np.diff(first) > 0)
+    theirs = path.take(k)
+
+    def least(x: Floats, y: Floats) -> Floats:
+        out = np.full(len(outlines), np.inf)
+        if len(k):
+            out[held] = np.minimum.reduceat(point_distance(theirs, x[j], y[j]), first[held])
+        return out
+
+    # At the start of each segment: an inner corner stays farthest from the wire there.
+    start_far = least(outlines.ax, outlines.ay)
+    far = np.flatnonzero(start_far > offset + tolerance)
+    if len(far):
+        span = 20.0 * offset + 100.0
+        start_far[far], _ = nearest(path, outlines.ax[far], outlines.ay[far], span)
+        start_far[far] = np.minimum(start_far[far], span)
+    missed: list[tuple[Ints, Floats, Floats, Floats]] = []
+    asked = np.zeros(len(outlines), np.int64)
+    uncut, uncut_at = 0.0, (0.0, 0.0)
+    for fraction in FRACTIONS.tolist():
+        t = outlines.length * fraction
+        x, y = points_at(outlines, t)
+        nx, ny = normals_at(outlines, t)
+        wx, wy = x + nx * sign * offset, y + ny * sign * offset
+        off = np.flatnonzero(least(wx, wy) > tolerance)
+        if not len(off):
+            continue
+        room, _ = nearest(outlines, wx[off], wy[off], offset + 1.0)
+        free = room >= offset - 0.05
+        missed.append((off[free], x[off[free]], y[off[free]], t[off[free]]))
+        asked[off[free]] += 1
+        blocked = off[~free]
+        if len(blocked):
+            d, _ = nearest(path, x[blocked], y[blocked], 20.0 * offset + 100.0)
+            d = np.where(np.isfinite(d), d - offset, -np.inf)
+            b = int(np.argmax(d))
+            if d[b] > uncut:
+                uncut, uncut_at = float(d[b]), (float(x[blocked[b]]), float(y[blocked[b]]))
+    missing = []
+    if missed:
+        segment = np.concatenate([m[0] for m in missed])
+        x, y, t = (np.concatenate([m[n] for m in missed]) for n in (1, 2, 3))
+        for c in np.unique(owner[segment]):
+            mine = np.flatnonzero(owner[segment] == c)
+            mine = mine[np.lexsort((t[mine], segment[mine]))]
+            d, _ = nearest(path, x[mine[:1]], y[mine[:1]], 20.0 * offset + 100.0)
+            share = len(np.unique(segment[mine])) / int((owner == c).sum())
+            here = mine[0]
+            more = float(d[0]) - offset
+            missing.append((which_outline[c], share, float(x[here]), float(y[here]), more))
+    skip = np.isin(np.arange(len(outlines)), np.flatnonzero(asked))
+    corner = np.where(skip | ~np.isfinite(start_far), -np.inf, start_far - offset)
+    b = int(np.argmax(corner))
+    if corner[b] > max(uncut, 1e-3):
+        uncut, uncut_at = float(corner[b]), (float(outlines.ax[b]), float(outlines.ay[b]))
+    return Coverage(uncut, uncut_at, tuple(missing))

@@ -1,0 +1,180 @@
+"""A decoded program parted into runs: cutting blocks with nothing between them.
+
+A program knows no roles and no cut numbers, only blocks and control records; which run is which
+cut follows from the order and from where the wire is threaded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.ir.plan import Cut
+from wedmcam.ir.program import Kind, Program
+from wedmcam.verify.segments import Ints
+from wedmcam.verify.walk import Walk
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """Cutting blocks without a control record or a move between them.
+
+    Attributes:
+        index: rows of the program, in order.
+        start: where the wire is before the first, um.
+        end: where it is after the last.
+        joined: the run before ends in a pause only, so this may go on with the same contour.
+    """
+
+    index: Ints
+    start: tuple[int, int]
+    end: tuple[int, int]
+    joined: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assigned:
+    """The blocks of one cut.
+
+    Attributes:
+        cut: 0-based number in the plan.
+        index: rows of the program.
+        pauses: rows of ``index`` (positions) after which the machine pauses.
+    """
+
+    cut: int
+    index: Ints
+    pauses: tuple[int, ...]
+
+
+def mm(x: float, y: float) -> str:
+    """Return a place for a message, from um; never -0.
+
+    >>> mm(-0.4, 12500)
+    '(0.000, 12.500)'
+    """
+    return f"({_plain(x)}, {_plain(y)})"
+
+
+def _plain(um: float) -> str:
+    text = f"{um / 1000.0:.3f}"
+    return text[1:] if text.lstrip("-0.") == "" and text.startswith("-") else text
+
+
+def span_of(program: Program, row: int) -> Span | None:
+    """Return where a block was read, or what it was made from."""
+    if row < len(program.spans):
+        return program.spans[row]
+    source = int(program.blocks["source"][row])
+    return program.sources[source] if 0 <= source < len(program.sources) else None
+
+
+def runs(walk: Walk) -> list[Run]:
+    """Part the program. Unknown words do not part it; blocks without a step are left out."""
+    kind = walk.blocks["kind"]
+    control = ~walk.cutting & (kind != Kind.WORD)
+    group = np.cumsum(control)
+    rows = np.flatnonzero(walk.cutting & (walk.steps > 0))
+    found: list[Run] = []
+    if not len(rows):
+        return found
+    edges = np.flatnonzero(np.diff(group[rows])) + 1
+    for part in np.split(rows, edges):
+        first, last = int(part[0]), int(part[-1])
+        joined = False
+        if found:
+            between = kind[int(found[-1].index[-1]) + 1 : first]
+            between = between[(between != Kind.WORD) & (between != Kind.LINE)]
+            joined = bool((between == Kind.PAUSE).all())
+        start, end = walk.start[first], walk.end[last]
+        found.append(Run(part, (int(start[0]), int(start[1])), (int(end[0]), int(end[1])), joined))
+    return found
+
+
+def assign(
+    program: Program, found: list[Run], cuts: tuple[Cut, ...]
+) -> tuple[list[Assigned], list[Diagnostic]]:
+    """Give each planned cut its runs, in the plan's order; report what is too many or too few."""
+    out: list[Assigned] = []
+    findings: list[Diagnostic] = []
+    r = c = 0
+    while r < len(found) and c < len(cuts):
+        run, cut = found[r], cuts[c]
+        if run.start != cut.thread:
+            later = next((k for k in range(c + 1, len(cuts)) if cuts[k].thread == run.start), None)
+            ahead = next(
+                (k for k in range(r + 1, len(found)) if found[k].start == cut.thread), None
+            )
+            if later is not None and ahead is None:
+                findings.extend(_missing(program, cuts[k], k) for k in range(c, later))
+                c = later
+                continue
+            if ahead is not None:
+                findings.extend(_extra(program, found[k]) for k in range(r, ahead))
+                r = ahead
+                continue
+            findings.append(_thread(program, run, cut, c))
+        pauses: list[int] = []
+        index, end = [run.index], run.end
+        r += 1
+        while (
+            r < len(found)
+            and found[r].joined
+            and _goes_on(cut, end, len(pauses), found[r], cuts, c)
+        ):
+            pauses.append(sum(len(k) for k in index))
+            index.append(found[r].index)
+            end = found[r].end
+            r += 1
+        out.append(Assigned(c, np.concatenate(index), tuple(pauses)))
+        c += 1
+    findings.extend(_missing(program, cuts[k], k) for k in range(c, len(cuts)))
+    findings.extend(_extra(program, found[k]) for k in range(r, len(found)))
+    return out, findings
+
+
+def _goes_on(
+    cut: Cut, end: tuple[int, int], paused: int, run: Run, cuts: tuple[Cut, ...], c: int
+) -> bool:
+    """Return whether a run after a pause goes on with the same cut."""
+    if cut.path.closed:
+        return end != cut.thread
+    if cut.stop_um > 0 and not paused:
+        return True
+    return c + 1 >= len(cuts) or cuts[c + 1].thread != run.start
+
+
+def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
+    x, y = cut.thread
+    return error(
+        "missing-cut",
+        f"cut {number + 1} (contour {cut.number}, threaded at {mm(x, y)} mm) is not in the program",
+        points_mm=((x / 1000.0, y / 1000.0),),
+    )
+
+
+def _extra(program: Program, run: Run) -> Diagnostic:
+    first = int(run.index[0])
+    x, y = run.start
+    return error(
+        "extra-cut",
+        f"blocks {first + 1} to {int(run.index[-1]) + 1} cut from {mm(x, y)} mm on; no contour is "
+        "left for them",
+        span_of(program, first),
+        points_mm=((x / 1000.0, y / 1000.0),),
+    )
+
+
+def _thread(program: Program, run: Run, cut: Cut, number: int) -> Diagnostic:
+    first = int(run.index[0])
+    (x, y), (tx, ty) = run.start, cut.thread
+    off = np.hypot(x - tx, y - ty) / 1000.0
+    return error(
+        "thread-point",
+        f"block {first + 1} starts cut {number + 1} at {mm(x, y)} mm, {off:.3f} mm from its thread "
+        f"point {mm(tx, ty)} mm",
+        span_of(program, first),
+        points_mm=((x / 1000.0, y / 1000.0),),
+    )

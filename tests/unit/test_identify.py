@@ -1,0 +1,71 @@
+import random
+
+import pytest
+
+from wedmcam.frontends import decoder
+from wedmcam.frontends.dump import dump
+from wedmcam.frontends.identify import identify
+from wedmcam.machines import builtin
+
+LINE = bytes.fromhex("01 017000 005000")
+ARC = bytes.fromhex("21 00009900 00000000 056003")
+
+
+@pytest.mark.parametrize(
+    ("data", "want"),
+    [
+        (b"", ("empty", 0, None, None, True)),
+        (bytes(4096), ("empty", 0, None, None, True)),
+        (b"N1 B9900B0B9900GXL1\nDD\n", ("3b", 1, 18, None, True)),
+        ("钢 B9900B0B9900GXL1".encode("gbk"), ("3b", 1, 17, None, True)),
+        (LINE + ARC + b"\0", ("compact", 2, 19, None, True)),
+        (LINE * 3 + bytes(100), ("compact", 3, 21, None, False)),
+        (LINE + ARC + b"\0\0\x07", ("compact", 2, 19, 21, True)),
+        (LINE + ARC, ("compact", 2, 18, None, False)),
+        (LINE + ARC + b"\x99\x01", ("compact", 2, 18, 19, False)),
+        (LINE + ARC + b"\x01\x0a\0\0\0\0\0\0", ("compact", 2, 18, 20, False)),
+        (LINE + ARC[:5], ("unknown", 0, None, 7, False)),
+        (b"hello, world", ("unknown", 0, None, 0, False)),
+        (b"A123456B123456B123456", ("unknown", 0, None, 21, False)),
+        (b"\x7fELF\0\0", ("unknown", 0, None, 0, False)),
+        (b"1010110101", ("unknown", 0, None, 10, False)),
+    ],
+)
+def test_identify(data, want):
+    got = identify(data)
+    assert (got.format, got.blocks, got.last_address, got.bad_address, got.certain) == want
+
+
+def test_random_data_is_recognised():
+    source = random.Random(65)
+    kinds = [identify(source.randbytes(4096)).format for _ in range(300)]
+    assert set(kinds) == {"unknown"}
+
+
+def test_reasons():
+    assert identify(LINE + b"\0").reason.endswith("the compensation format has the same bytes")
+    assert identify(LINE + ARC + b"\x99").reason.endswith("damaged at 0x0013")
+    assert "random" in identify(b"\x99\x88\x00").reason
+
+
+def test_dump_b3():
+    machine = builtin("b3-compact")
+    text = b"B9900B0B9900GXL1\nB9900B0B39600GYNR1\nM02\nB9900B0B9900GXL3\nDD\n"
+    program, _ = decoder("3b")(text, machine, "k.3b")
+    rows = list(dump(program, machine))
+    assert [r.number for r in rows] == [1, 2, 3, 4, 5]
+    assert [r.where for r in rows] == ["1:1", "2:1", "3:1", "4:1", "5:1"]
+    assert [r.kind for r in rows] == ["line", "arc", "M02", "line", "stop"]
+    assert [r.instruction for r in rows] == ["L1", "NR1", "", "L3", ""]
+    assert [r.end for r in rows] == [(9900, 0), (9900, 0), (9900, 0), (0, 0), (0, 0)]
+    assert (rows[1].x, rows[1].y, rows[1].axis, rows[1].count) == (9900, 0, "Y", 39600)
+    assert rows[2].x is None
+    assert rows[0].steps == 9900
+
+
+def test_dump_compact():
+    machine = builtin("zd065")
+    program, _ = decoder("compact")(LINE + LINE + b"\0", machine, "k.zd")
+    rows = list(dump(program, machine))
+    assert [r.where for r in rows] == ["0x0000", "0x0007", "0x000e"]
+    assert [r.end for r in rows] == [(17000, 5000), (34000, 10000), (34000, 10000)]

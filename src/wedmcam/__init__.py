@@ -13,7 +13,7 @@ if TYPE_CHECKING:
         Compilation,
         Inspection,
         Proof,
-        compile,  # noqa: A004 - the word of the trade
+        compile,
         inspect,
         plot,
         read_program,

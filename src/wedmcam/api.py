@@ -60,7 +60,7 @@ class Compilation:
         return 3 if self.stage in ("decode", "verify") else 1
 
 
-def compile(  # noqa: A001 - the word of the trade
+def compile(
     source: Source,
     *,
     to: str | None = None,
@@ -78,8 +78,8 @@ def compile(  # noqa: A001 - the word of the trade
         profile: a machine, or the name of a built-in one; None for the format's default.
         name: of the source in findings and certificate; the path by default.
         output_name: of the program in the certificate.
-        options: everything else, in um; or give fields of `Options` in mm by keyword: ``offset=0.1,
-            side="die", starts=[(0, 0)], corner=0.2``.
+        options: everything else, in um.
+        **mm: instead of ``options``, its fields in mm: offset=0.1, side="die", starts=[(0, 0)].
 
     Raises:
         WrongUse: options that do not fit together.
@@ -264,7 +264,7 @@ def verify(
     *,
     against: Source | None = None,
     profile: Machine | str | None = None,
-    format: str | None = None,  # noqa: A002 - the word of the trade
+    format: str | None = None,
     name: str | None = None,
     against_name: str | None = None,
     origin_mm: tuple[float, float] | None = None,
@@ -284,7 +284,8 @@ def verify(
         origin_mm: where the program starts in the drawing. None: as the certificate says, if it is
             this program's; else where the same options would start it; else a fitted translation.
         certificate: of an earlier compile; gives options and origin, and is checked itself.
-        options: how the drawing is cut, or fields of `Options` in mm by keyword.
+        options: how the drawing is cut.
+        **mm: instead of ``options``, its fields in mm.
 
     What is proven is the part: another order, other leads, are notes.
     """
@@ -317,16 +318,14 @@ def verify(
     summary = _proof_summary(
         run, machine, options, name, data, drawing_name, drawing, drawn, decoded, verdict
     )
-    return Proof(
-        not errors, decoded, verdict, plan, machine, summary, tuple(run.found), status
-    )
+    return Proof(not errors, decoded, verdict, plan, machine, summary, tuple(run.found), status)
 
 
 def read_program(
     source: Source,
     *,
     profile: Machine | str | None = None,
-    format: str | None = None,  # noqa: A002 - the word of the trade
+    format: str | None = None,
     name: str | None = None,
 ) -> tuple[Program | None, Machine, tuple[Diagnostic, ...]]:
     """Return a program as decoded, the machine it was read with, and the findings."""
@@ -343,7 +342,8 @@ def read_program(
 def _decode(data: bytes, name: str, machine: Machine, run: Run) -> Program:
     from wedmcam.frontends import decoder
 
-    return run("decode", decoder(machine.format)(data, machine, name))
+    program: Program = run("decode", decoder(machine.format)(data, machine, name))
+    return program
 
 
 def _reader_machine(
@@ -450,9 +450,7 @@ def _proof_summary(
         )
         summary["ok"] = not has_errors(run.found)
         return summary
-    summary = _summary(
-        run.found, machine, options, drawing_name, drawing, name, None, drawn, None
-    )
+    summary = _summary(run.found, machine, options, drawing_name, drawing, name, None, drawn, None)
     summary |= {"input": drawing_name or None, "output": name, "side": None, "offset_um": None}
     if decoded is not None:
         summary |= figures(decoded, machine)
@@ -476,7 +474,7 @@ def figures(program: Program, machine: Machine) -> dict[str, Any]:
     kind = program.blocks["kind"]
     cutting = (kind == Kind.LINE) | (kind == Kind.ARC)
     x, y = np.cumsum(motion.dx), np.cumsum(motion.dy)
-    cuts = int(np.sum((kind == Kind.MOVE)) + 1) if cutting.any() else 0
+    cuts = int(np.sum(kind == Kind.MOVE) + 1) if cutting.any() else 0
     closure = float(np.hypot(x[-1], y[-1])) if len(x) else 0.0
     return {
         "contours": cuts,

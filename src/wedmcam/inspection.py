@@ -20,9 +20,7 @@ from wedmcam.transforms.compensate import largest_offset
 LARGEST_UM = 8000.0
 
 
-def facts_of(
-    name: str, drawn: Drawn, options: Options
-) -> tuple[dict[str, Any], list[Diagnostic]]:
+def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any], list[Diagnostic]]:
     """Return the facts of a drawing in mm, and findings on open contours.
 
     The largest permissible offset is that of the side asked for (``part`` by default), over all
@@ -71,9 +69,7 @@ def _nested(drawn: Drawn) -> list[tuple[Contour, int]]:
 
 
 def _listed(drawn: Drawn) -> list[tuple[Contour, int, int]]:
-    return list(
-        zip(drawn.contours, drawn.nesting.depths, drawn.nesting.parents, strict=True)
-    )
+    return list(zip(drawn.contours, drawn.nesting.depths, drawn.nesting.parents, strict=True))
 
 
 def _one(number: int, c: Contour, depth: int, parent: int) -> dict[str, Any]:

@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from wedmcam.ir.plan import Side
-from wedmcam.transforms.order import Order
+from wedmcam.ir.plan import Order, Side
 
 #: File name endings of programs, and the format each means.
 FORMAT_OF_SUFFIX = {".3b": "3b", ".zd": "compact"}

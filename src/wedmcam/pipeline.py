@@ -107,10 +107,8 @@ def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
     lanes = run("compensate", planning.lanes(contours, drawn.nesting, options, side, FLOAT64))
     threads = list(drawn.sketch.thread_points)
     threads += [ThreadPoint(x, y) for x, y in options.starts_um]
-    cuts = run("leads", planning.cuts(lanes, threads, drawn, options))
-    return Plan(
-        tuple(cuts), tuple(contours), drawn.nesting.depths, side, options.offset_um or 0.0
-    )
+    cuts = run("leads", planning.cuts(lanes, threads, drawn.nesting, options))
+    return Plan(tuple(cuts), tuple(contours), drawn.nesting.depths, side, options.offset_um or 0.0)
 
 
 def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
@@ -133,7 +131,8 @@ def encode(program: Program, machine: Machine, run: Run) -> bytes:
     """Return the bytes of a program."""
     from wedmcam.backends import encoder
 
-    return run("encode", encoder(machine.format)(program, machine))
+    data: bytes = run("encode", encoder(machine.format)(program, machine))
+    return data
 
 
 def prove(
@@ -154,8 +153,11 @@ def prove(
     from wedmcam.verify import judge
 
     decoded, found = decoder(machine.format)(data, machine, file)
-    # What a reader says of a program that was just written is for the compiler's own tests.
-    run.add("decode", [d for d in found if d.severity is not Severity.NOTE])
+    # Notes of the reader say how it understood a foreign file; and what the writer said of its own
+    # file (it needs two loads, say) need not be said twice.
+    said = {(d.code, d.message) for d in run.found}
+    new = [d for d in found if (d.code, d.message) not in said and d.severity > Severity.NOTE]
+    run.add("decode", new)
     decoded = changed(decoded, origin=origin)
     verdict, found = judge(
         decoded,

@@ -77,7 +77,7 @@ def farthest(a, b):
 @pytest.mark.parametrize("size", [400.0, 1111.0])
 @pytest.mark.parametrize("turn", [0.3, 1.9, -2.5])
 def test_deviation_is_that_of_brute_force(turn, size, table):
-    plan = skew_plan(turn, size + 3000.0, 33.3)
+    plan = skew_plan(turn, size, 33.3)
     program = lower(plan, table)
     verdict, _ = judge(program, plan, table=table)
     (places,) = stepped(program, table)

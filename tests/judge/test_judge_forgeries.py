@@ -167,7 +167,8 @@ def test_mirrored_arc():
     b = program.blocks[row]
     # From (0, -100) counter-clockwise to (100, 0): mirrored in the chord it is clockwise.
     assert (int(b["x"]), int(b["y"])) == (0, -100)
-    errors = refuse(change(program, row, x=-100, y=0, turn=-1), plan)
+    mirrored = change(program, row, x=-100, y=0, turn=-1, axis=1 - b["axis"])
+    errors = refuse(mirrored, plan)
     assert errors["path-deviation"].startswith(f"block {row + 1} ")
     assert "gouge" in errors
 
@@ -187,14 +188,16 @@ def test_limits():
         arc_um: int = 99
 
     plan = square_plan()
-    _, findings = judge(lower(plan), plan, table=LineTable.ROTATE, limits=Small())
+    program = lower(plan)
+    _, findings = judge(program, plan, table=LineTable.ROTATE, limits=Small())
     said = [f.message.split(":")[0] for f in findings if f.code == "block-limit"]
-    # Three long sides by J and again by x or y, four corner arcs.
-    assert (
-        sorted(said)
-        == sorted(["block 5", "block 7", "block 9"] * 2 + [f"block {n}" for n in (3, 5, 7, 9)])
-        or said
-    )
+    # Three long sides by J and again by x or y; four corner arcs of radius 100.
+    rows = program.blocks
+    long = [f"block {n + 1}" for n in np.flatnonzero(rows["count"] == 10000)]
+    arcs = [f"block {n + 1}" for n in np.flatnonzero(rows["kind"] == Kind.ARC)]
+    assert len(long) == 3
+    assert len(arcs) == 4
+    assert sorted(said) == sorted(long * 2 + arcs)
     assert {f.code for f in findings} == {"block-limit"}
 
 
@@ -220,7 +223,7 @@ def test_die_for_part_even_where_the_plan_itself_is_wrong(table):
     ):
         plan = Plan((Cut(square(10000), path, thread),), (square(10000),), (0,), side, d)
         errors = refuse(lower(plan, table), plan, table)
-        assert "0.200 mm deep" in errors["gouge"] or "mm deep" in errors["gouge"]
+        assert "the wire is 0.200 mm deep" in errors["gouge"]
         verdict, _ = judge(lower(plan, table), plan, table=table)
         assert verdict.gouge_um >= 2 * d - 1e-9
         assert "missing-piece" in errors
@@ -255,7 +258,7 @@ def test_offset_too_small_gouges():
         OFFSET,
     )
     errors = refuse(lower(plan), plan)
-    assert "0.051" in errors["gouge"] or "0.050" in errors["gouge"]
+    assert "enters the kept material by 0.051" in errors["gouge"]
 
 
 def test_hole_of_the_plan_not_cut():
@@ -279,7 +282,7 @@ def test_a_side_of_the_outline_left_out_of_the_plan():
     """A wire path that cuts off the corner: it keeps its distance, but leaves material."""
     plan = square_plan()
     v = plan.cuts[0].path.vertices.copy()
-    v["x"][1:4] += 500.0
+    v["x"][1:5] += 500.0
     v["cx"][1] += 500.0
     v["cx"][3] += 500.0
     wide = replace(plan, cuts=(replace(plan.cuts[0], path=type(plan.cuts[0].path)(v, True)),))
@@ -297,7 +300,7 @@ def test_contour_cut_twice():
     # The hole's three blocks again, as a cut of its own from the same thread point.
     again = np.concatenate([blocks[:3], control(Kind.PAUSE), blocks])
     errors = refuse(replace(program, blocks=again), plan)
-    assert errors["extra-cut"].startswith("blocks 5 to 7 ") or "thread-point" in errors
+    assert errors["extra-cut"].startswith("blocks 5 to 7 ")
     # And in one run: the circle doubled.
     errors = refuse(edited(program, lambda b: np.insert(b, 1, b[1])), plan)
     assert errors["wrong-order"].startswith("block 3 ")
@@ -350,7 +353,7 @@ def test_path_beside_the_grid_of_the_plan():
     v["cy"] += 3
     shifted = replace(near, cuts=(replace(near.cuts[0], path=type(near.cuts[0].path)(v, True)),))
     errors = refuse(lower(shifted), near)
-    assert "0.003" in errors["path-deviation"] or "0.004" in errors["path-deviation"]
+    assert "by 0.004" in errors["path-deviation"]
     assert "gouge" in errors
     # Judged by the shifted plan, the path is as planned, and the outline alone refuses it.
     errors = refuse(lower(shifted), shifted)
@@ -415,12 +418,6 @@ def test_programs_of_the_same_steps():
     circle_row = 1
     b = program.blocks[circle_row]
     quarter = int(b["x"])
-    parts = np.concatenate(
-        [
-            arc(quarter, 0, 1, Axis.Y, 2 * quarter),
-            arc(0, quarter, 1, Axis.X, 0),
-        ]
-    )
     assert same_steps(program, program)
     assert same_steps(program, replace(program, origin=(1, 2)))
     # A full circle in one block or two halves, where the first half lands on the axis.
@@ -428,15 +425,14 @@ def test_programs_of_the_same_steps():
         [arc(quarter, 0, 1, Axis.X, 2 * quarter), arc(-quarter, 0, 1, Axis.X, 2 * quarter)]
     )
     split = edited(program, lambda x: np.concatenate([x[:1], halves, x[2:]]))
-    one_way = same_steps(program, split)
+    assert same_steps(program, split)
     verdict, _ = judge(split, plan, table=LineTable.ROTATE)
-    assert verdict.ok == one_way or verdict.ok
+    assert verdict.ok
     assert not same_steps(program, change(program, 1, turn=-1))
     assert not same_steps(program, change(program, 1, count=b["count"] + 1))
     # A line's ratio doubled: the same steps, so the same verdict.
     ratio = change(program, 0, x=2 * program.blocks["x"][0])
     assert same_steps(program, ratio)
-    assert len(parts) == 2
     # A pause more, a move for a cut: other machines' doings.
     assert not same_steps(program, edited(program, lambda x: np.insert(x, 3, x[3])))
     assert not same_steps(program, change(program, 0, kind=Kind.MOVE))
@@ -461,7 +457,7 @@ def test_collinear_segments_may_run_as_one_block():
     """A wire path with a vertex in the middle of each side, and arcs in halves."""
     plan = square_plan()
     v = plan.cuts[0].path.vertices
-    more = np.insert(v, [3, 5], v[[3, 5]])
+    more = np.insert(v, [3, 5], v[[2, 4]])
     more[3]["y"], more[6]["x"] = 4321.0, 2222.0
     c = np.sqrt(0.5) * OFFSET
     half = np.insert(more, 2, more[1])

@@ -58,7 +58,7 @@ def test_thread_points():
     # behind a move 0x30 is the pause of the move; elsewhere it is a thread point of its own
     program, found = read("30" + LINE + "31 41 000005 000000 31 30 00")
     assert program.blocks["kind"].tolist() == [T, L, D, MOVE, D, T, DD]
-    assert codes(found) == ["thread-point"]
+    assert codes(found) == ["thread-mark"]
 
 
 def test_ties_count_y():

@@ -98,9 +98,8 @@ def options_of(asked: dict[str, Any]) -> Options:
     Raises:
         WrongUse: options that do not fit together.
     """
-    from wedmcam.ir.plan import Side
+    from wedmcam.ir.plan import Order, Side
     from wedmcam.options import Options, WrongUse
-    from wedmcam.transforms.order import Order
 
     offset = asked["offset_um"]
     wire, gap = asked["wire_um"], asked["gap_um"]

@@ -31,7 +31,7 @@ def length_um(text: str) -> float:
     return value
 
 
-class Length(click.ParamType):
+class Length(click.ParamType):  # type: ignore[type-arg]
     """A length, as um."""
 
     name = "length"
@@ -46,7 +46,7 @@ class Length(click.ParamType):
             self.fail(str(why), param, ctx)
 
 
-class Point(click.ParamType):
+class Point(click.ParamType):  # type: ignore[type-arg]
     """X,Y in mm (units allowed), as um."""
 
     name = "x,y"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +64,7 @@ def compile_command(
             click.echo("nothing was written", err=True)
         return int(made.status)
     assert made.data is not None
-    if output == "-" and machine.format != "3b" and click.get_text_stream("stdout").isatty():
+    if output == "-" and machine.format != "3b" and sys.stdout.isatty():
         raise click.UsageError("a binary program is not for a terminal: give -o FILE")
     from wedmcam.cli import say
 
@@ -297,9 +298,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
         made = api.inspect(data, name=_name(input_), options=options)
     else:
         machine = ask.machine_of(asked["profile"], None)
-        made = api.compile(
-            data, profile=machine, name=_name(input_), options=ask.options_of(asked)
-        )
+        made = api.compile(data, profile=machine, name=_name(input_), options=ask.options_of(asked))
     say.say_findings(made.findings, _name(input_), asked["quiet"])
     if getattr(made, "program", None) is None and getattr(made, "drawn", None) is None:
         return int(made.status)
@@ -363,9 +362,7 @@ def dump_command(file: str, format_: str | None, profile: str | None, json_: boo
     from wedmcam.diag import has_errors
 
     machine = ask.machine_of(profile, format_) if profile or format_ else None
-    program, used, found = api.read_program(
-        read_input(file), profile=machine, name=_name(file)
-    )
+    program, used, found = api.read_program(read_input(file), profile=machine, name=_name(file))
     say.say_findings(found, _name(file))
     if program is None:
         return 1

@@ -437,7 +437,7 @@ CODES: dict[str, Code] = {
         "In 3B it would be read as a move with the wire off.",
         "Write the line as two.",
     ),
-    "thread-point": Code(
+    "thread-mark": Code(
         "A pause stands behind a move, where the format has a thread point.",
         "The return after a wire break ends at thread points, not at pauses.",
         "Nothing is needed; written again, it is a thread point.",

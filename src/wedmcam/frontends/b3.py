@@ -11,12 +11,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, FileSpan, Severity, Span, error, warning
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, warning
 from wedmcam.formats import b3, quadrants
 from wedmcam.formats.listing import in_order, listed
 from wedmcam.frontends.plain import Plain, TextSpans, plain
@@ -366,7 +365,7 @@ def _merge(
         blocks["kind"][b3.moves(blocks["kind"])] = Kind.MOVE
     spans = TextSpans(file, gaps.plain.codes, starts, (ends - starts).astype(np.int32))
     # A sequence that makes spans when asked for: a tuple of a million would cost seconds.
-    return Program(blocks, spans=cast(tuple[Span, ...], spans), words=named), starts
+    return Program(blocks, spans=spans, words=named), starts
 
 
 def _surroundings(

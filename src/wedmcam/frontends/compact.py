@@ -13,7 +13,7 @@ move is its thread point, 0x30, where the return after a wire break ends; a 0x30
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import cast, overload
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -195,7 +195,7 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
     pause = codes == compact.PAUSE
     tell(
         Severity.NOTE,
-        "thread-point",
+        "thread-mark",
         pause & after_move,
         lambda i: f"block {i + 1}: the pause behind a move is read as its thread point",
     )
@@ -224,7 +224,7 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
     starts, sizes = starts[good], sizes[good]
     kept = ByteSpans(file, starts, starts + sizes)
     # A sequence that makes spans when asked for: a tuple of a million would cost seconds.
-    return Program(blocks[good], spans=cast(tuple[Span, ...], kept)), in_order(found)
+    return Program(blocks[good], spans=kept), in_order(found)
 
 
 def _after(

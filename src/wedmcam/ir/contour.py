@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from wedmcam.diag import Span
 
 #: One row per vertex, um. Row i opens the segment to row i + 1 (to row 0 if closed).
-#: (cx, cy): centre of an arc, not used for a line. turn: +1 counter-clockwise, -1 clockwise, 0 line.
+#: (cx, cy): centre of an arc, not used for a line. turn: +1 counter-clockwise, -1 clockwise, 0 a
+#: line.
 #: source: index into ``Contour.sources``, -1 for a segment that nobody drew.
 VERTEX = np.dtype(
     [("x", "f8"), ("y", "f8"), ("cx", "f8"), ("cy", "f8"), ("turn", "i1"), ("source", "i4")]
@@ -44,7 +45,9 @@ class Contour:
 
     def __post_init__(self) -> None:
         v = self.vertices
-        assert v.dtype == VERTEX and v.ndim == 1 and len(v) >= (1 if self.closed else 2), v
+        assert v.dtype == VERTEX, v.dtype
+        assert v.ndim == 1
+        assert len(v) >= (1 if self.closed else 2), v
         assert self.closed or v["turn"][-1] == 0
         assert len(v) > 1 or v["turn"][0] != 0
         assert all(np.isfinite(v[k]).all() for k in ("x", "y", "cx", "cy"))

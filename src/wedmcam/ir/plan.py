@@ -22,7 +22,12 @@ class Side(enum.StrEnum):
     ON = "on"
 
 
-Point = tuple[float, float]
+class Order(enum.StrEnum):
+    """In which order contours are cut. GIVEN: as drawn, whatever lies in what."""
+
+    GIVEN = "given"
+    INNER_FIRST = "inner-first"
+    NEAREST = "nearest"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,6 +8,7 @@ interpolator stops (``wedmcam.controller``), and that is the point.
 from __future__ import annotations
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,9 +88,10 @@ class Program:
     blocks: NDArray[np.void]
     origin: tuple[int, int] = (0, 0)
     sources: tuple[Span, ...] = ()
-    spans: tuple[Span, ...] = ()
+    spans: Sequence[Span] = ()
     words: tuple[tuple[int, str], ...] = ()
 
     def __post_init__(self) -> None:
-        assert self.blocks.dtype == BLOCK and self.blocks.ndim == 1
+        assert self.blocks.dtype == BLOCK
+        assert self.blocks.ndim == 1
         self.blocks.flags.writeable = False

@@ -72,6 +72,7 @@ class Sketch:
 
     def __post_init__(self) -> None:
         s = self.segments
-        assert s.dtype == SEGMENT and s.ndim == 1, s
+        assert s.dtype == SEGMENT, s.dtype
+        assert s.ndim == 1
         assert not len(s) or (s["source"].min() >= -1 and s["source"].max() < len(self.sources))
         s.flags.writeable = False

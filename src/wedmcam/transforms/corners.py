@@ -37,9 +37,7 @@ def round_corners(
     return result, found
 
 
-def _round(
-    contour: Contour, radius: float, ar: Arithmetic
-) -> tuple[Contour, list[Diagnostic]]:
+def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, list[Diagnostic]]:
     s = seg.of_rows(contour.starts, contour.ends)
     n = len(s)
     nxt = np.roll(np.arange(n), -1)

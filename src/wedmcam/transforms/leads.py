@@ -145,9 +145,7 @@ class _Nearest:
             return None, why
         return best[1], ""
 
-    def _blocked(
-        self, near: tuple[float, int], best: tuple[float, int], x: int, y: int
-    ) -> bool:
+    def _blocked(self, near: tuple[float, int], best: tuple[float, int], x: int, y: int) -> bool:
         """Return whether (x, y) lies within the offset of, or inside, the part at path near[1]."""
         lane = self.lanes[near[1]]
         if near[0] >= best[0]:
@@ -255,9 +253,7 @@ def _before_open(path: Contour, lead_um: float) -> Led:
     return Led(path, (x, y))
 
 
-def _free(
-    x: float, y: float, nx: float, ny: float, reach: float, lanes: Sequence[Lane]
-) -> float:
+def _free(x: float, y: float, nx: float, ny: float, reach: float, lanes: Sequence[Lane]) -> float:
     """Return how far a ray from a point of a path runs until it meets a path, at most ``reach``."""
     start = min(1.0, 0.01 * reach)  # the path that the ray leaves is not met
     ray = _line(x + nx * start, y + ny * start, x + nx * reach, y + ny * reach)
@@ -282,10 +278,7 @@ def _hits(line: Segments, path: Contour) -> list[float]:
     if not len(j):
         return []
     both = Segments(
-        *(
-            np.concatenate([getattr(line, name), getattr(s, name)[j]])
-            for name in Segments.__slots__
-        )
+        *(np.concatenate([getattr(line, name), getattr(s, name)[j]]) for name in Segments.__slots__)
     )
     k = np.arange(1, len(j) + 1)
     return [float(a) for a in crossings.between(both, np.zeros(len(j), np.int64), k).at_i]

@@ -6,18 +6,11 @@ hole in it is loose. Within that rule: as they lie, as they were drawn, or the n
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Sequence
 
 import numpy as np
 
-
-class Order(enum.StrEnum):
-    """How to order. GIVEN: as drawn, whatever lies in what."""
-
-    GIVEN = "given"
-    INNER_FIRST = "inner-first"
-    NEAREST = "nearest"
+from wedmcam.ir.plan import Order
 
 
 def order(

@@ -16,16 +16,15 @@ import numpy as np
 from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.ir.contour import Contour
-from wedmcam.ir.plan import Cut, Side
+from wedmcam.ir.plan import Cut, Order, Side
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.compensate import Interference, compensate, largest_offset
 from wedmcam.transforms.leads import Lane, lead
-from wedmcam.transforms.order import Order, order
+from wedmcam.transforms.order import order
 
 if TYPE_CHECKING:
     from wedmcam.options import Options
-    from wedmcam.pipeline import Drawn
     from wedmcam.transforms.nest import Nesting
 
 #: Places of interference that are listed; a summary stands for the rest.
@@ -75,9 +74,7 @@ def unfit(contours: Sequence[Contour], options: Options, side: Side) -> list[Dia
     return found
 
 
-def shifts(
-    contours: Sequence[Contour], nesting: Nesting, side: Side, offset: float
-) -> list[float]:
+def shifts(contours: Sequence[Contour], nesting: Nesting, side: Side, offset: float) -> list[float]:
     """Return for each contour how far the wire runs to its left (negative: right)."""
     if side is Side.LEFT:
         return [offset] * len(contours)
@@ -90,10 +87,10 @@ def shifts(
 def lanes(
     contours: list[Contour], nesting: Nesting, options: Options, side: Side, ar: Arithmetic
 ) -> tuple[Lanes | None, list[Diagnostic]]:
-    """Return the wire paths of all contours, in their direction, with the findings of the offset."""
+    """Return the wire paths of all contours, each in the direction of its contour."""
     offset = options.offset_um or 0.0
     if side is Side.ON:
-        found = []
+        found: list[Diagnostic] = []
         paths = [Lane(c, c, None, 0.0) for c in contours]
         of = list(range(len(contours)))
     else:
@@ -174,9 +171,7 @@ def _interference(
         elif item.kind == "vanished":
             text = f"the contour at {place} is too small for the offset {offset:.3f} mm"
         else:
-            text = (
-                f"a passage at {place} is too narrow for a wire at offset {offset:.3f} mm{lost}"
-            )
+            text = f"a passage at {place} is too narrow for a wire at offset {offset:.3f} mm{lost}"
         found.append(
             make(
                 "interference",
@@ -192,16 +187,14 @@ def _interference(
 
 
 def cuts(
-    made: Lanes, threads: Sequence[ThreadPoint], drawn: Drawn, options: Options
+    made: Lanes, threads: Sequence[ThreadPoint], nesting: Nesting, options: Options
 ) -> tuple[list[Cut] | None, list[Diagnostic]]:
     """Return the cuts in their order, each with its lead."""
     led, found = lead(made.lanes, threads, options.lead_um)
     if led is None:
         return None, found
-    parents = _parents(made.contour, drawn.nesting.parents)
-    first_drawn = [
-        int(lane.outline.vertices["source"].min(initial=1 << 30)) for lane in made.lanes
-    ]
+    parents = _parents(made.contour, nesting.parents)
+    first_drawn = [int(lane.outline.vertices["source"].min(initial=1 << 30)) for lane in made.lanes]
     how = options.order or Order.INNER_FIRST
     sequence = order(parents, [item.thread for item in led], first_drawn, how)
     result = []
@@ -213,7 +206,7 @@ def cuts(
                 lane.outline,
                 item.path,
                 item.thread,
-                drawn.nesting.depths[made.contour[k]],
+                nesting.depths[made.contour[k]],
                 None if lane.scrap_left is None else not lane.scrap_left,
                 options.stop_um if closed else 0.0,
                 options.overcut_um if closed else 0.0,

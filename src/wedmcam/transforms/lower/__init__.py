@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
-from wedmcam.ir.plan import Plan
+from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program, Role
 from wedmcam.transforms.lower.course import Course, lay_out
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
@@ -87,9 +87,29 @@ class _State:
     ax: Ints
     ay: Ints
 
-    SEGMENT = (
-        ["v0", "v1", "cx", "cy", "radius", "turn", "source", "role", "cut", "keeps", "group", "done", "axis", "count", "square", "ax", "ay"]
-    )
+
+#: Columns of a segment.
+SEGMENT = (
+    "v0",
+    "v1",
+    "cx",
+    "cy",
+    "radius",
+    "turn",
+    "source",
+    "role",
+    "cut",
+    "keeps",
+    "group",
+    "done",
+    "axis",
+    "count",
+    "square",
+    "ax",
+    "ay",
+)
+#: Those that the course states and that are whole numbers.
+COURSE = ("v0", "v1", "turn", "source", "role", "cut", "keeps", "group")
 
 
 def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]:
@@ -140,8 +160,7 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
 
 
 def _state(course: Course) -> _State:
-    ints = {n: np.array(getattr(course, n), np.int64) for n in ["v0", "v1", "turn", "source", "role", "cut"]}
-    ints |= {n: np.array(getattr(course, n), np.int64) for n in ("keeps", "group")}
+    ints = {n: np.array(getattr(course, n), np.int64) for n in COURSE}
     n = len(course.v0)
     x, y = np.array(course.x), np.array(course.y)
     zero = np.zeros(n, np.int64)
@@ -213,7 +232,7 @@ def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> None:
     v0, v1 = s.v0[of], s.v1[of]
     v0[inner] = new
     v1[inner - 1] = new
-    for name in _State.SEGMENT:
+    for name in SEGMENT:
         setattr(s, name, getattr(s, name)[of])
     s.v0, s.v1 = v0, v1
     touched = np.isin(of, rows)
@@ -357,9 +376,7 @@ def _repair(s: _State, bad: Ints, target: Target, budget: Budget) -> Ints:
         budget,
     )
     at = np.cumsum([0, *(shape[k][0] * shape[k][1] for k in rows.tolist())])
-    table = {
-        k: cost[at[m] : at[m + 1]].reshape(shape[k]) for m, k in enumerate(rows.tolist())
-    }
+    table = {k: cost[at[m] : at[m + 1]].reshape(shape[k]) for m, k in enumerate(rows.tolist())}
     still = []
     failed = set(bad.tolist())
     run: list[int] = []
@@ -515,8 +532,8 @@ def _blocks(
     return Program(np.concatenate(parts), start, tuple(course.sources)), found
 
 
-def _last_point(cut: object) -> tuple[int, int]:
-    v = cut.path.vertices  # type: ignore[attr-defined]
+def _last_point(cut: Cut) -> tuple[int, int]:
+    v = cut.path.vertices
     x, y = to_grid([v["x"][-1], v["y"][-1]]).tolist()
     return x, y
 

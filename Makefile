@@ -1,0 +1,59 @@
+# Everything sets itself up from nothing but Python 3.11 or later: its own virtual environment in
+# .venv, versions pinned in requirements.txt.
+.PHONY: help setup demo test lint bench golden clean
+
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+# The first Python that is new enough and can make virtual environments.
+PYTHON ?= $(shell for p in python3.11 python3.12 python3.13 python3.14 python3; do \
+  $$p -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null \
+  && { echo $$p; break; }; done)
+
+# Real drawings for tests, where they lie beside the project.
+CORPUS := $(wildcard ../shared/corpus/dev)
+ifneq ($(CORPUS),)
+export WEDMCAM_CORPUS ?= $(abspath $(CORPUS))
+endif
+
+help:
+	@echo "make demo    compile, prove and draw a sample"
+	@echo "make test    run the tests"
+	@echo "make lint    ruff and mypy"
+	@echo "make bench   measure, as ratios side by side"
+	@echo "make golden  write the golden programs anew (look at the difference!)"
+
+setup: $(READY)
+
+$(READY): requirements.txt pyproject.toml
+	@test -n "$(PYTHON)" || { echo "Python 3.11 or later with venv is needed"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install -q --disable-pip-version-check -r requirements.txt
+	$(BIN)/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $(READY)
+
+demo: $(READY)
+	@mkdir -p demo
+	$(BIN)/wedmcam compile samples/plate.dxf -o demo/plate.3b --offset 0.1 \
+	  --certificate demo/plate.json --plot demo/plate.svg
+	$(BIN)/wedmcam verify demo/plate.3b --certificate demo/plate.json
+	$(BIN)/wedmcam plot demo/plate.3b -o demo/plate.png
+	@echo "the program demo/plate.3b is proven; look at demo/plate.svg (or .png)"
+
+test: $(READY)
+	$(BIN)/python -m pytest -n 2
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: $(READY)
+	$(BIN)/python benchmarks/bench_compile.py
+	$(BIN)/python benchmarks/bench_controller.py
+
+golden: $(READY)
+	$(BIN)/python -m pytest -q tests/golden --update-golden
+
+clean:
+	rm -rf $(VENV) demo build

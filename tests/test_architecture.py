@@ -1,0 +1,85 @@
+"""Import directions: the table of ARCHITECTURE.md, enforced."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "src" / "wedmcam"
+SHELL = {"__init__", "__main__", "cli", "api", "pipeline", "inspection"}
+
+
+def _table() -> dict[str, tuple[set[str], set[str]]]:
+    """Layer -> (ours it may import, third parties), from the table in ARCHITECTURE.md."""
+    table = {}
+    for line in (ROOT / "ARCHITECTURE.md").read_text("utf-8").splitlines():
+        cells = [c.strip() for c in line.strip().strip("|").split("|")]
+        if len(cells) == 3 and re.fullmatch(r"(`\w+`(, )?)+", cells[0]):
+            ours, others = (set(re.findall(r"`(\w+)`", c)) for c in cells[1:])
+            for layer in re.findall(r"`(\w+)`", cells[0]):
+                table[layer] = (ours, others)
+    return table
+
+
+TABLE = _table()
+
+
+def _imports():
+    for path in sorted(PACKAGE.rglob("*.py")):
+        here = path.relative_to(PACKAGE).with_suffix("").parts
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                assert not node.level, f"{path}: relative import"
+                names = [node.module]
+                if node.module == "wedmcam":
+                    names = [f"wedmcam.{a.name}" for a in node.names]
+            elif isinstance(node, ast.Import):
+                names = [a.name for a in node.names]
+            else:
+                continue
+            for name in names:
+                yield here, name
+
+
+EDGES = sorted({(h[0], n.split(".")[1]) for h, n in _imports() if n.startswith("wedmcam.")})
+STANDARD = __import__("sys").stdlib_module_names | {"wedmcam", "__future__"}
+THIRD = sorted(
+    {(h[0], n.split(".")[0]) for h, n in _imports() if n.split(".")[0] not in STANDARD}
+)
+
+
+def test_the_table_names_every_layer():
+    layers = {p.stem for p in PACKAGE.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
+    assert layers - SHELL == set(TABLE)
+
+
+@pytest.mark.parametrize(("layer", "target"), EDGES)
+def test_import_direction(layer, target):
+    assert layer in SHELL or target == layer or target in TABLE[layer][0]
+
+
+@pytest.mark.parametrize(("layer", "library"), THIRD)
+def test_third_party(layer, library):
+    allowed = TABLE[layer][1] if layer in TABLE else {"numpy", "click", "resvg_py"}
+    assert library in allowed
+
+
+def test_the_judge_shares_no_geometry():
+    ours = TABLE["verify"][0]
+    assert not ours & {"geom", "transforms", "backends", "arithmetic", "options"}
+
+
+def test_the_core_is_pure():
+    """Only the shell opens files, prints, exits or looks at the environment."""
+    allowed = {"cli", "__main__", "api"}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        layer = path.relative_to(PACKAGE).with_suffix("").parts[0]
+        if layer in allowed:
+            continue
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert node.func.id not in {"open", "print", "input", "exit"}, path
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                assert (node.value.id, node.attr) not in {("os", "environ"), ("sys", "exit")}, path

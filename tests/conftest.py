@@ -1,1 +1,31 @@
-"""Lies here so that pytest puts this folder on the path: tests import `parts` and `oracle`."""
+"""Shared by all tests: helpers beside this file can be imported; settings of hypothesis."""
+
+import os
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+settings.register_profile(
+    "wedmcam", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+)
+settings.load_profile("wedmcam")
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--update-golden", action="store_true", help="write the golden files anew; then look at git diff"
+    )
+
+
+@pytest.fixture
+def update_golden(request):
+    return request.config.getoption("--update-golden")
+
+
+@pytest.fixture(scope="session")
+def corpus():
+    """Folder of real drawings, or skip: they are not part of the project."""
+    folder = os.environ.get("WEDMCAM_CORPUS")
+    if not folder or not os.path.isdir(folder):
+        pytest.skip("WEDMCAM_CORPUS names no folder of real drawings")
+    return folder

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wedmcam import machines, pipeline
+from wedmcam import __version__, machines, pipeline
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import LineTable, Program
@@ -19,7 +19,7 @@ from wedmcam.options import Options, WrongUse
 from wedmcam.pipeline import Drawn, Refused, Run
 
 if TYPE_CHECKING:
-    from wedmcam.verify import Verdict
+    from wedmcam.verify.verdict import Verdict
 
 Source = str | Path | bytes
 
@@ -207,9 +207,9 @@ def _summary(
             "side": str(options.effective_side),
             "diagnostics": [finding_data(d) for d in found],
             "ok": False,
-            "input_sha256": fingerprint(data),
+            "sha256": {"input": fingerprint(data)},
         }
-    from wedmcam.verify import certificate
+    from wedmcam.verify.certificate import certificate
 
     result = certificate(
         verdict,
@@ -224,10 +224,11 @@ def _summary(
         profile_bytes=repr(machine).encode(),
         join_um=drawn.report.max_shift_um if drawn else 0.0,
         options=options.as_data(),
+        version=__version__,
     )
-    if out is None:
+    if out is None or not output_name:
         result["output"] = None
-        result["ok"] = False
+    result["ok"] = out is not None
     return result
 
 
@@ -304,7 +305,7 @@ def verify(
         decoded = _decode(data, name, machine, run)
         if certificate is not None:
             run.add("certificate", _check_certificate(certificate, data, drawing, machine))
-            if origin_mm is None and _same(certificate, "output_sha256", data):
+            if origin_mm is None and _same(certificate, "output", data):
                 x, y = certificate["origin_um"]
                 origin_mm = (x / 1000, y / 1000)
         if against is not None:
@@ -364,7 +365,7 @@ def _reader_machine(
 def _same(certificate: dict[str, Any], key: str, data: bytes) -> bool:
     from wedmcam.verify.certificate import fingerprint
 
-    return bool(certificate.get(key) == fingerprint(data))
+    return bool(certificate.get("sha256", {}).get(key) == fingerprint(data))
 
 
 def _check_certificate(
@@ -374,8 +375,8 @@ def _check_certificate(
 
     found = []
     for key, what, seen in (
-        ("output_sha256", "program", data),
-        ("input_sha256", "drawing", drawing),
+        ("output", "program", data),
+        ("input", "drawing", drawing),
     ):
         if seen and not _same(certificate, key, seen):
             found.append(
@@ -399,7 +400,8 @@ def _judged(
     """Judge at the stated origin; else at the plan's; else where the program fits best."""
     from dataclasses import replace
 
-    from wedmcam.verify import fit, judge
+    from wedmcam.verify.fit import fit
+    from wedmcam.verify.judge import judge
 
     table = LineTable(machine.line_table)
     textbook = pipeline.count_of(machine, options) == "textbook"
@@ -455,7 +457,7 @@ def _proof_summary(
     if decoded is not None:
         summary |= figures(decoded, machine)
     if not drawing:
-        del summary["input_sha256"]
+        del summary["sha256"]
         summary["ok"] = not has_errors(run.found)
     return summary
 

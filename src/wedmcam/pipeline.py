@@ -22,7 +22,7 @@ from wedmcam.options import Options
 if TYPE_CHECKING:
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.nest import Nesting
-    from wedmcam.verify import Verdict
+    from wedmcam.verify.verdict import Verdict
 
 T = TypeVar("T")
 
@@ -96,9 +96,10 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
 def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
     """Return where the wire goes: sides, compensation, leads, order."""
     from wedmcam.transforms import planning
+    from wedmcam.transforms.merge import merge_arcs
 
     side = options.effective_side
-    contours = list(drawn.contours)
+    contours = [merge_arcs(c) for c in drawn.contours]
     run.add("open", planning.unfit(contours, options, side))
     if options.corner_um:
         from wedmcam.transforms.corners import round_corners
@@ -150,7 +151,7 @@ def prove(
     from dataclasses import replace as changed
 
     from wedmcam.frontends import decoder
-    from wedmcam.verify import judge
+    from wedmcam.verify.judge import judge
 
     decoded, found = decoder(machine.format)(data, machine, file)
     # Notes of the reader say how it understood a foreign file; and what the writer said of its own

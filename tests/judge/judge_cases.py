@@ -165,7 +165,7 @@ def part_with_hole():
 
 
 def skew_plan(turn=0.3, size=10000.0, d=OFFSET):
-    """A square turned by ``turn`` radians, its corners rounded by 0.15 of it: nothing on the grid."""
+    """A square turned by ``turn`` radians, corners rounded by 0.15 of it: nothing on the grid."""
     c, s = np.cos(turn), np.sin(turn)
     r = 0.15 * size
 

@@ -30,7 +30,7 @@ def stepped(program, table):
             continue
         start = at
         for s in block_steps(b, table):
-            at = start + (s.x, s.y)
+            at = start + np.array([s.x, s.y])
             if b["kind"] != Kind.MOVE:
                 held.append(at)
         if b["kind"] == Kind.MOVE:
@@ -74,21 +74,21 @@ def farthest(a, b):
 
 
 @pytest.mark.parametrize("table", LineTable)
-@pytest.mark.parametrize("size", [400.0, 1111.0])
+@pytest.mark.parametrize("size", [333.0, 700.0])
 @pytest.mark.parametrize("turn", [0.3, 1.9, -2.5])
 def test_deviation_is_that_of_brute_force(turn, size, table):
     plan = skew_plan(turn, size, 33.3)
     program = lower(plan, table)
     verdict, _ = judge(program, plan, table=table)
     (places,) = stepped(program, table)
-    route = dense(plan.cuts[0], 0.2)
+    route = dense(plan.cuts[0], 0.4)
     # Leads are counted apart, and overlap each other: of the two figures the larger.
     figure = max(verdict.max_deviation_um, verdict.lead_deviation_um)
-    there = farthest(places[::7], route)
-    back = farthest(route[::37], places)
-    assert there <= figure + 0.01
+    there = farthest(places[::5], route)
+    back = farthest(route[::19], places)
+    assert there <= figure + 0.03
     assert back <= figure + 0.2
-    assert figure <= farthest(places, route) + 0.55  # vertices count whole, see ``deviation``
+    assert figure <= max(there, back) + 0.6  # a place in five; vertices count whole
     assert verdict.steps == len(places) - 1
     low, high = places.min(axis=0), places.max(axis=0)
     assert verdict.extents_um == (low[0], low[1], high[0], high[1])

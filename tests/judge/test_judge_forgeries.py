@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from judge_cases import (
     OFFSET,
-    arc,
+    arc_to,
     circle,
     control,
     edited,
@@ -353,7 +353,7 @@ def test_path_beside_the_grid_of_the_plan():
     v["cy"] += 3
     shifted = replace(near, cuts=(replace(near.cuts[0], path=type(near.cuts[0].path)(v, True)),))
     errors = refuse(lower(shifted), near)
-    assert "by 0.004" in errors["path-deviation"]
+    assert "by 0.00300 mm" in errors["path-deviation"]
     assert "gouge" in errors
     # Judged by the shifted plan, the path is as planned, and the outline alone refuses it.
     errors = refuse(lower(shifted), shifted)
@@ -422,7 +422,10 @@ def test_programs_of_the_same_steps():
     assert same_steps(program, replace(program, origin=(1, 2)))
     # A full circle in one block or two halves, where the first half lands on the axis.
     halves = np.concatenate(
-        [arc(quarter, 0, 1, Axis.X, 2 * quarter), arc(-quarter, 0, 1, Axis.X, 2 * quarter)]
+        [
+            arc_to((quarter, 0), (-quarter, 0), (0, 0), 1),
+            arc_to((-quarter, 0), (quarter, 0), (0, 0), 1),
+        ]
     )
     split = edited(program, lambda x: np.concatenate([x[:1], halves, x[2:]]))
     assert same_steps(program, split)

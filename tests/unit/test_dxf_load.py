@@ -1,8 +1,8 @@
 """The traps of the file itself: each was met in real drawings."""
 
 import pytest
-from drawings import bare, codes, drawing, got, rows
 
+from drawings import bare, codes, drawing, got, rows
 from wedmcam.frontends.dxf import read
 
 LWPOLYLINE = (

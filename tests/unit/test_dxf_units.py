@@ -1,6 +1,6 @@
 import pytest
-from drawings import codes, drawing, got
 
+from drawings import codes, drawing, got
 from wedmcam.frontends.dxf import DxfOptions, read
 
 
@@ -74,7 +74,11 @@ def test_asked_units_win_with_a_warning():
 @pytest.mark.parametrize(
     ("units", "length", "words"),
     [
-        (1, 256, "as inch ($INSUNITS 1) the part is 6502.400 x 0.000 mm; as mm it would be 256.000"),
+        (
+            1,
+            256,
+            "($INSUNITS 1) the part is 6502.400 x 0.000 mm; as mm it would be 256.000",
+        ),
         (6, 100, "as mm it would be 100.000"),
         (4, 0.5, "as inch it would be 12.700"),
         (1, 12, None),

@@ -194,7 +194,7 @@ def _issued(certificate: str | None) -> dict[str, Any] | None:
         data = json.loads(read_input(certificate))
     except ValueError as why:
         raise click.UsageError(f"{certificate} is no certificate: {why}") from why
-    if not isinstance(data, dict) or "output_sha256" not in data:
+    if not isinstance(data, dict) or "output" not in data.get("sha256", {}):
         raise click.UsageError(f"{certificate} is no certificate of this program")
     return data
 

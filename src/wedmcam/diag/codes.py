@@ -534,4 +534,9 @@ CODES: dict[str, Code] = {
         "Check the drawing, the offset and the units, or state --origin.",
     ),
     # --- files and the command line --------------------------------------------------------
+    "certificate-differs": Code(
+        "a certificate was issued for another program, or another drawing, than is there",
+        "what it says is not about what will be cut",
+        "compile again, or look which of the two was changed",
+    ),
 }

@@ -7,20 +7,34 @@ strip. An R-tree (shapely.STRtree) was measured and buys nothing over this.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.geom.segments import Floats, Ints
 
 Boxes = tuple[Floats, Floats, Floats, Floats]
 
 
-def _strips(y0: Floats, height: float, low: Floats, high: Floats) -> tuple[Ints, Ints]:
-    """Return (item, strip) for each strip that [low, high] of an item touches."""
-    first = np.floor((low - y0) / height).astype(np.int64)
-    last = np.floor((high - y0) / height).astype(np.int64)
-    count = last - first + 1
+def _strips(low: Floats, high: Floats, bottom: float, height: float) -> tuple[Ints, Ints, Ints]:
+    """Return (item, strip) for each strip that [low, high] of an item touches, and each item's first."""
+    first = ((low - bottom) / height).astype(np.int64)
+    count = ((high - bottom) / height).astype(np.int64) - first + 1
     item = np.repeat(np.arange(len(low)), count)
     strip = np.arange(len(item)) - np.repeat(np.cumsum(count) - count, count) + first[item]
-    return item, strip
+    return item, strip, first
+
+
+def expand(low: Ints, high: Ints) -> tuple[Ints, Ints]:
+    """Return (row, k) for each k in low[row] .. high[row] - 1."""
+    count = np.maximum(high - low, 0)
+    row = np.repeat(np.arange(len(low)), count)
+    return row, np.arange(len(row)) + np.repeat(low - (np.cumsum(count) - count), count)
+
+
+def _height(bottom: float, top: float, heights: Floats) -> float:
+    """Return the height of strips: some mean box heights, and not so low that long boxes fill memory."""
+    count = len(heights)
+    least = (top - bottom) / (4.0 * np.sqrt(count) + 16.0)
+    return max(2.0 * float(heights.mean()), float(least), 1e-9)
 
 
 def overlapping(a: Boxes, b: Boxes) -> tuple[Ints, Ints]:
@@ -29,56 +43,73 @@ def overlapping(a: Boxes, b: Boxes) -> tuple[Ints, Ints]:
     bx0, by0, bx1, by1 = b
     if not len(ax0) or not len(bx0):
         return np.empty(0, np.int64), np.empty(0, np.int64)
-    bottom = min(ay0.min(), by0.min())
-    top = max(ay1.max(), by1.max())
-    # A strip a few boxes high, and never so many strips that long boxes fill memory.
-    mean = 0.5 * (float(np.mean(ay1 - ay0)) + float(np.mean(by1 - by0)))
-    height = max(2.0 * mean, (top - bottom) / (4.0 * np.sqrt(len(ax0) + len(bx0)) + 16.0), 1e-9)
-    origin = np.float64(bottom)
-    ia, sa = _strips(origin, height, ay0, ay1)
-    ib, sb = _strips(origin, height, by0, by1)
+    bottom = float(min(ay0.min(), by0.min()))
+    top = float(max(ay1.max(), by1.max()))
+    height = _height(bottom, top, np.concatenate([ay1 - ay0, by1 - by0]))
+    ia, sa, first_a = _strips(ay0, ay1, bottom, height)
+    ib, sb, first_b = _strips(by0, by1, bottom, height)
     # One sorted key per strip: strip * width + x, with a width no x range can bridge.
-    left = min(ax0.min(), bx0.min())
-    width = 2.0 * (max(ax1.max(), bx1.max()) - left) + 1.0
-    first_a, first_b = sa * width + (ax0[ia] - left), sb * width + (bx0[ib] - left)
-    last_a, last_b = sa * width + (ax1[ia] - left), sb * width + (bx1[ib] - left)
+    left = float(min(ax0.min(), bx0.min()))
+    width = 2.0 * (float(max(ax1.max(), bx1.max())) - left) + 1.0
+    key_a, key_b = sa * width + (ax0[ia] - left), sb * width + (bx0[ib] - left)
+    blur = 1e-15 * width * (float(max(sa.max(), sb.max())) + 2.0)
+    last_a = key_a + (ax1 - ax0)[ia] + blur
+    last_b = key_b + (bx1 - bx0)[ib] + blur
     # A pair starts either inside a (b begins within a's x range) or inside b, never both.
-    i1, j1 = _sweep(ia, first_a, last_a, ib, first_b, sa, sb, "left")
-    j2, i2 = _sweep(ib, first_b, last_b, ia, first_a, sb, sa, "right")
-    i, j = np.concatenate([i1, i2]), np.concatenate([j1, j2])
-    keep = (ay0[i] <= by1[j]) & (by0[j] <= ay1[i])
-    code = np.unique(i[keep] * np.int64(len(bx0)) + j[keep])
+    order = np.argsort(key_b)
+    keys = key_b[order]
+    row, k = expand(np.searchsorted(keys, key_a), np.searchsorted(keys, last_a, "right"))
+    i1, j1, s1 = ia[row], ib[order[k]], sa[row]
+    order = np.argsort(key_a)
+    keys = key_a[order]
+    row, k = expand(np.searchsorted(keys, key_b, "right"), np.searchsorted(keys, last_b, "right"))
+    i2, j2, s2 = ia[order[k]], ib[row], sb[row]
+    i, j, strip = np.concatenate([i1, i2]), np.concatenate([j1, j2]), np.concatenate([s1, s2])
+    # Boxes that share several strips are a pair in the first of them only.
+    keep = strip == np.maximum(first_a[i], first_b[j])
+    keep &= (ay0[i] <= by1[j]) & (by0[j] <= ay1[i]) & (ax0[i] <= bx1[j]) & (bx0[j] <= ax1[i])
+    code = np.sort(i[keep] * np.int64(len(bx0)) + j[keep])
     return code // len(bx0), code % len(bx0)
-
-
-def _sweep(
-    item: Ints,
-    first: Floats,
-    last: Floats,
-    other: Ints,
-    other_first: Floats,
-    strip: Ints,
-    other_strip: Ints,
-    side: str,
-) -> tuple[Ints, Ints]:
-    """Return pairs (item, other) in which other begins within [first, last] of item."""
-    order = np.argsort(other_first, kind="stable")
-    keys = other_first[order]
-    low = np.searchsorted(keys, first, side="left" if side == "left" else "right")
-    high = np.searchsorted(keys, last, side="right")
-    count = np.maximum(high - low, 0)
-    rows = np.repeat(np.arange(len(item)), count)
-    at = np.arange(len(rows)) - np.repeat(np.cumsum(count) - count, count) + low[rows]
-    partner = order[at]
-    same = strip[rows] == other_strip[partner]
-    return item[rows[same]], other[partner[same]]
 
 
 def self_overlapping(a: Boxes) -> tuple[Ints, Ints]:
     """Return index pairs i < j of boxes that overlap or touch, sorted."""
-    i, j = overlapping(a, a)
-    keep = i < j
-    return i[keep], j[keep]
+    x0, y0, x1, y1 = a
+    n = len(x0)
+    if n < 2:
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    bottom, left = float(y0.min()), float(x0.min())
+    height = _height(bottom, float(y1.max()), y1 - y0)
+    item, strip, first = _strips(y0, y1, bottom, height)
+    width = 2.0 * (float(x1.max()) - left) + 1.0
+    key = strip * width + (x0[item] - left)
+    order = np.argsort(key)
+    keys, item, strip = key[order], item[order], strip[order]
+    blur = 1e-15 * width * (float(strip[-1]) + 2.0)
+    last = keys + (x1 - x0)[item] + blur
+    row, k = expand(np.arange(1, len(keys) + 1), np.searchsorted(keys, last, "right"))
+    i, j = item[row], item[k]
+    keep = strip[row] == np.maximum(first[i], first[j])
+    keep &= (y0[i] <= y1[j]) & (y0[j] <= y1[i]) & (x0[j] <= x1[i]) & (x0[i] <= x1[j])
+    i, j = i[keep], j[keep]
+    code = np.sort(np.minimum(i, j) * np.int64(n) + np.maximum(i, j))
+    return code // n, code % n
+
+
+def least(values: Floats, of: Ints, count: int) -> Floats:
+    """Return the least of ``values`` for each of ``count`` items; ``of`` is sorted; inf for none."""
+    result = np.full(count, np.inf)
+    if len(of):
+        begin = np.flatnonzero(_changes(of))
+        result[of[begin]] = np.minimum.reduceat(values, begin)
+    return result
+
+
+def _changes(of: Ints) -> NDArray[np.bool_]:
+    """Return where a sorted array begins a new value."""
+    change = np.ones(len(of), bool)
+    np.not_equal(of[1:], of[:-1], out=change[1:])
+    return change
 
 
 def grown(a: Boxes, by: float) -> Boxes:

@@ -30,6 +30,7 @@ from wedmcam.transforms.doubles import (
     is_circle,
     mm,
     place,
+    steady,
     without_copies,
     without_nothing,
     zero_length,
@@ -79,7 +80,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         join_um: the largest gap between two ends that is closed, um; absolute.
 
     Returns:
-        Contours, closed ones first, each sorted by place (lowest, then left-most); a report; and
+        Contours, closed ones first, sorted by place (lowest, then left-most); a report; and
         findings: notes on repairs, errors on branches, overlaps and crossings. Closed contours run
         counter-clockwise from their lowest (then left-most) vertex, a circle from its right-most
         point; open ones from their smaller end (x, then y). Open contours are no error here: see
@@ -342,7 +343,7 @@ def _contours(
         contours.append(Contour(piece, k < n, sources))
     for ring in rings:
         contours.append(_ring(ring, sources))
-    order = _sorted(rows, edge, offsets, sizes, rings, contours)
+    order = _sorted(rows, edge, offsets, rings, contours)
     rank = np.empty(len(order), np.int64)
     rank[order] = np.arange(len(order))
     owner = np.full(len(rows) + len(rings), -1, np.int64)
@@ -383,23 +384,27 @@ def _oriented(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
     return np.where(flip, half ^ 1, half)
 
 
-def _sorted(
-    rows: Rows, edge: Ints, first: Ints, sizes: Ints, rings: Rows, contours: list[Contour]
-) -> Ints:
-    """Return the canonical order: closed before open, then by place."""
+def _sorted(rows: Rows, edge: Ints, first: Ints, rings: Rows, contours: list[Contour]) -> Ints:
+    """Return the canonical order: closed before open, then by extents, lowest and left-most first.
+
+    Extents are taken without their last digits, which differ with the direction in which an arc
+    was drawn; contours of equal extents go by their first two vertices, which do not.
+    """
     if not contours:
         return np.empty(0, np.int64)
-    around = np.array(boxes(columns(rows[edge]))).reshape(4, -1)
     box = np.empty((4, len(contours)))
-    if len(sizes):
-        for k in range(4):
-            lowest = np.minimum if k < 2 else np.maximum
-            box[k, : len(sizes)] = lowest.reduceat(around[k], first)
-    box[:, len(sizes) :] = boxes(columns(rings))
+    if len(first):
+        around = boxes(columns(rows[edge]))
+        for k, least in enumerate((np.minimum, np.minimum, np.maximum, np.maximum)):
+            box[k, : len(first)] = least.reduceat(around[k], first)
+    box[:, len(first) :] = boxes(columns(rings))
+    box = steady(box)
     opened = np.array([not c.closed for c in contours])
-    x = np.array([c.vertices["x"][0] for c in contours])
-    y = np.array([c.vertices["y"][0] for c in contours])
-    return np.lexsort((x, y, box[2], box[3], box[0], box[1], opened))
+    start = np.array([c.vertices[0].item()[:5] for c in contours])
+    second = np.array([c.vertices[min(1, len(c.vertices) - 1)].item()[:2] for c in contours])
+    x, y, cx, cy, turn = start.T
+    ties = (turn, cx, cy, second[:, 0], second[:, 1], x, y)
+    return np.lexsort((*ties, box[2], box[3], box[0], box[1], opened))
 
 
 # --- open contours --------------------------------------------------------------------------

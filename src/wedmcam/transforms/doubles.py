@@ -40,6 +40,15 @@ def place(x: float, y: float) -> str:
     return f"({mm(x)}, {mm(y)})"
 
 
+def steady(um: Floats) -> Floats:
+    """Return keys to sort lengths by, without the digits that are float noise.
+
+    In steps of `NOISE_UM`, off the round numbers: what is drawn at a round number, or halfway,
+    must not lie on the border of two steps.
+    """
+    return np.asarray(np.floor(um / NOISE_UM + 0.3719))
+
+
 def columns(rows: Rows) -> Segments:
     """Return the columns of `SEGMENT` rows with their derived figures."""
     names = ("x0", "y0", "x1", "y1", "cx", "cy")

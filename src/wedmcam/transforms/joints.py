@@ -80,10 +80,10 @@ def join(
     by_line = np.zeros(len(px), np.bool_)
     by_line[node[np.tile(rows["turn"] == 0, 2)]] = True
 
-    odd = np.flatnonzero(degree % 2)
-    i, j, _ = near_pairs(px[odd], py[odd], NOISE_UM)
+    # All nodes, not only loose ends: loops that touch but for noise have to touch.
+    i, j, _ = near_pairs(px, py, NOISE_UM)
     if len(i):
-        _cluster(target, odd[i], odd[j], by_line)
+        _cluster(target, i, j, by_line)
         degree = np.bincount(target[node], minlength=len(px))
     node = target[node]
     swing = columns(rows).sweep > np.pi
@@ -189,8 +189,8 @@ def _moved(
     arc = np.flatnonzero((rows["turn"] != 0) & (shift > NOISE_UM) & (ends[:, 0] != ends[:, 1]))
     if not len(arc):
         return out, 0.0, ()
-    old = columns(rows[arc])
-    cx, cy, belly = _refitted(old, out[arc], shift[arc])
+    # Counter-clockwise, whatever way it was drawn: direction must not change a digit.
+    cx, cy, belly = _refitted(columns(_ccw(rows[arc])), _ccw(out[arc]), shift[arc])
     out["cx"][arc], out["cy"][arc] = cx, cy
     found = []
     for k in np.flatnonzero(belly > BELLY * join_um).tolist():
@@ -208,18 +208,25 @@ def _moved(
     return out, float(belly.max()), tuple(found)
 
 
+def _ccw(rows: Rows) -> Rows:
+    """Return arcs run counter-clockwise."""
+    out = rows.copy()
+    back = rows["turn"] < 0
+    for a, b in (("x0", "x1"), ("y0", "y1")):
+        out[a], out[b] = np.where(back, rows[b], rows[a]), np.where(back, rows[a], rows[b])
+    out["turn"] = np.abs(rows["turn"])
+    return out
+
+
 def _refitted(old: Segments, new: Rows, shift: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return centres of arcs between new ends, and how far each arc's belly moved.
+    """Return centres of counter-clockwise arcs between new ends, and how far each belly moved.
 
     The radius is kept where that keeps the arc in place. Near a half circle it cannot: shortening
     the chord of a half circle of radius 1 mm by 5 um would lift its centre by 70 um. There the
     centre moves to the nearest place that is equally far from both ends instead, which changes the
     radius by no more than the ends moved.
     """
-    # Always from the counter-clockwise start: the direction of drawing must not change a digit.
-    ccw = old.turn > 0
-    ax, ay = np.where(ccw, new["x0"], new["x1"]), np.where(ccw, new["y0"], new["y1"])
-    bx, by = np.where(ccw, new["x1"], new["x0"]), np.where(ccw, new["y1"], new["y0"])
+    ax, ay, bx, by = new["x0"], new["y0"], new["x1"], new["y1"]
     dx, dy = bx - ax, by - ay
     chord = np.hypot(dx, dy)
     chord = np.where(chord > 0, chord, 1.0)
@@ -234,7 +241,7 @@ def _refitted(old: Segments, new: Rows, shift: Floats) -> tuple[Floats, Floats, 
         r = np.hypot(ax - cx, ay - cy)
         belly = np.abs(r - old.radius)
         for share in (0.25, 0.5, 0.75):
-            angle = old.a0 + old.turn * share * old.sweep
+            angle = old.a0 + share * old.sweep
             qx = old.cx + old.radius * np.cos(angle)
             qy = old.cy + old.radius * np.sin(angle)
             belly = np.maximum(belly, np.abs(np.hypot(qx - cx, qy - cy) - r))

@@ -117,42 +117,71 @@ def lead(
 
 
 class _Nearest:
-    """Distances from points to many paths."""
+    """Which path a point serves: the nearest of those that bound the scrap it lies in.
+
+    Scrap lies inside one contour (the innermost around the point) and outside those directly in
+    it; on the far side of any other contour there is material in between.
+    """
 
     def __init__(self, lanes: Sequence[Lane]) -> None:
         self.lanes = lanes
         self.paths = [seg.of_rows(p.path.starts, p.path.ends) for p in lanes]
+        self.areas = [abs(measure.area(p.outline.vertices)) for p in lanes]
 
     def serves(self, x: int, y: int) -> tuple[int | None, str]:
         """Return the number of the path that (x, y) serves, or None and why."""
-        best: tuple[float, int] | None = None
-        too_near: tuple[float, int] | None = None
-        for number, (lane, s) in enumerate(zip(self.lanes, self.paths, strict=True)):
-            px, py = np.full(len(s), float(x)), np.full(len(s), float(y))
-            distance = float(seg.distances(s, px, py).min())
-            if lane.scrap_left is not None and lane.path.closed:
-                inside = bool(measure.contains(lane.path.vertices, px[:1], py[:1])[0])
-                # A counter-clockwise path has its inside to the left.
-                left = inside == (measure.area(lane.path.vertices) > 0)
-                if left != lane.scrap_left and distance > ROUNDED_UM:
-                    if too_near is None or distance < too_near[0]:
-                        too_near = (distance, number)
-                    continue
-            if best is None or distance < best[0]:
-                best = (distance, number)
-        if best is None or (too_near is not None and self._blocked(too_near, best, x, y)):
-            why = "it lies in kept material, or nearer to it than the offset"
-            return None, why
-        return best[1], ""
+        numbers = range(len(self.lanes))
+        sided = [k for k in numbers if self.lanes[k].scrap_left is not None]
+        px, py = np.array([float(x)]), np.array([float(y)])
+        around = {
+            k for k in sided if bool(measure.contains(self.lanes[k].outline.vertices, px, py)[0])
+        }
+        candidates = [k for k in numbers if k not in sided]
+        if sided:
+            # The innermost contour around the point: the smallest (contours do not cross).
+            home = min(around, key=lambda k: self.areas[k], default=None)
+            for k in sided:
+                scrap_inside = self._scrap_inside(k)
+                if k in around:
+                    if home is not None and self.lanes[k].outline is self.lanes[home].outline:
+                        candidates += [k] if scrap_inside else []
+                elif not scrap_inside and self._directly_in(k, home, around):
+                    candidates.append(k)
+            if home is not None and not self._scrap_inside(home):
+                candidates = [k for k in candidates if k not in sided]
+        if not candidates:
+            return None, "it lies in kept material"
+        distance, best = min((self._distance(self.paths[k], x, y), k) for k in candidates)
+        lane = self.lanes[best]
+        if lane.scrap_left is not None and distance > ROUNDED_UM:
+            s = seg.of_rows(lane.outline.starts, lane.outline.ends)
+            drawn = self._distance(s, x, y)
+            if drawn < lane.offset_um - ROUNDED_UM:
+                return None, f"it is only {drawn / 1000:.3f} mm from the contour, within the offset"
+        return best, ""
 
-    def _blocked(self, near: tuple[float, int], best: tuple[float, int], x: int, y: int) -> bool:
-        """Return whether (x, y) lies within the offset of, or inside, the part at path near[1]."""
-        lane = self.lanes[near[1]]
-        if near[0] >= best[0]:
-            return False
-        s = seg.of_rows(lane.outline.starts, lane.outline.ends)
-        px, py = np.full(len(s), float(x)), np.full(len(s), float(y))
-        return bool(seg.distances(s, px, py).min() < lane.offset_um - ROUNDED_UM)
+    def _scrap_inside(self, k: int) -> bool:
+        """Return whether the scrap of path k lies inside its outline."""
+        lane = self.lanes[k]
+        return lane.scrap_left == (measure.area(lane.outline.vertices) > 0)
+
+    def _directly_in(self, k: int, home: int | None, around: set[int]) -> bool:
+        """Return whether contour k lies in ``home`` (None: in nothing) with none in between."""
+        v = self.lanes[k].outline.vertices
+        px, py = v["x"][:1].astype(float), v["y"][:1].astype(float)
+        outer = {
+            m
+            for m in range(len(self.lanes))
+            if self.lanes[m].scrap_left is not None
+            and self.lanes[m].outline is not self.lanes[k].outline
+            and self.areas[m] > self.areas[k]
+            and bool(measure.contains(self.lanes[m].outline.vertices, px, py)[0])
+        }
+        return outer == around
+
+    @staticmethod
+    def _distance(s: Segments, x: int, y: int) -> float:
+        return float(seg.distances(s, np.full(len(s), float(x)), np.full(len(s), float(y))).min())
 
 
 # --- the start of a path -------------------------------------------------------------------------

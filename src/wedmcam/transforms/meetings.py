@@ -28,7 +28,7 @@ from wedmcam.geom.segments import (
 )
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import SEGMENT
-from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of
+from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of, steady
 
 Rows = NDArray[np.void]
 Bools = NDArray[np.bool_]
@@ -242,7 +242,7 @@ def _overlaps(
 ) -> list[Diagnostic]:
     """Return one error for each pair of segments on top of each other."""
     found = []
-    order = np.lexsort((along, x, y))
+    order = np.lexsort((steady(along), steady(x), steady(y)))
     for k in order[:LISTED].tolist():
         u, v = float(x[k]), float(y[k])
         first, second = _two(placed, sources, int(i[k]), int(j[k]))
@@ -328,7 +328,8 @@ def _grouped(
 ) -> list[tuple[tuple[int, int], list[int]]]:
     """Return hits by pair of contours, each from the lowest place on, pairs in that order too."""
     k = np.flatnonzero(which)
-    k = k[np.lexsort((hits.x[k], hits.y[k]))]
+    low, high = np.minimum(*pairs)[k], np.maximum(*pairs)[k]
+    k = k[np.lexsort((high, low, steady(hits.x[k]), steady(hits.y[k])))]
     groups: dict[tuple[int, int], list[int]] = {}
     for h in k.tolist():
         a, b = int(pairs[0][h]), int(pairs[1][h])
@@ -385,7 +386,7 @@ def _touches(
     for pair, spot, i, j in _common_nodes(placed, s):
         touching.setdefault(pair, (spot, i, j))
     rest = sorted(
-        (spot[1], spot[0], pair, i, j)
+        (round(spot[1], 6), round(spot[0], 6), pair, i, j)
         for pair, (spot, i, j) in touching.items()
         if pair not in crossed
     )

@@ -379,7 +379,7 @@ class _Case:
         return findings
 
     def _block_error(self, code: str, way: Walk, row: int, text: str) -> Diagnostic:
-        x, y = way.end[row]
+        x, y = (int(v) for v in way.end[row])
         return error(
             code,
             f"block {row + 1} {text}; it ends at {mm(x, y)} mm",
@@ -406,6 +406,7 @@ class _Case:
             return None, findings  # lost: reported
         last = int(a.index[-1])
         end = way.end[last]
+        limit = TEXTBOOK_CLOSURE if count == "textbook" else 0.0
         if high[-1] < route.high[k] - LOST:
             left = float(route.high[k] - high[-1]) / 1000.0
             findings.append(
@@ -416,7 +417,7 @@ class _Case:
                     f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end",
                 )
             )
-        elif self.strict_order and route.closed[k] and tuple(end.tolist()) != cut.thread:
+        elif self.strict_order and route.closed[k] and np.hypot(*(end - cut.thread)) > limit:
             tx, ty = cut.thread
             findings.append(
                 self._block_error(
@@ -449,7 +450,6 @@ class _Case:
             )
             return None, findings
         closure = float(np.hypot(*(places[p1] - places[p0])))
-        limit = TEXTBOOK_CLOSURE if count == "textbook" else 0.0
         if closure > limit:
             x, y = places[p0]
             findings.append(
@@ -575,7 +575,8 @@ def _retraces(way: Walk, a: Assigned, cut: Cut) -> bool:
         return False
     start = way.start[int(a.index[-1])]
     v = cut.path.vertices[0]
-    return bool(np.hypot(start[0] - v["x"], start[1] - v["y"]) <= LOST)
+    on_thread = np.hypot(cut.thread[0] - v["x"], cut.thread[1] - v["y"]) <= 1.0  # no lead at all
+    return bool(on_thread or np.hypot(start[0] - v["x"], start[1] - v["y"]) <= LOST)
 
 
 def _follow(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:

@@ -35,6 +35,13 @@ from wedmcam.verify.walk import Walk
 #: A loop of the program and a planned path whose boxes differ by more are not the same, um.
 SAME_BOX = LOST
 
+#: Ends on a machine that recomputes them miss each other by up to this, um.
+RECOMPUTED = 2.0
+
+#: The middles of a block and of the way back on it lie within this, um: each deviates by up to 2
+#: from the route, and their numbers of steps may differ by a few.
+MIDDLES = 6.0
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Piece:
@@ -83,16 +90,25 @@ def pieces(way: Walk) -> list[Piece]:
 def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
     """Find the contour among blocks: leads that are retraced are left out."""
     ends = np.concatenate([way.start[index[:1]], way.end[index]])
-    line = way.blocks["kind"][index] == Kind.LINE
     first, last = 0, len(index)
-    if (ends[first] == ends[last]).all():
+    room = RECOMPUTED if way.textbook else 0.0
+
+    def meet(i: int, j: int) -> bool:
+        return float(np.hypot(*(ends[i] - ends[j]).astype(float))) <= room
+
+    if meet(first, last):
         while (
             last - first > 2
-            and line[first]
-            and line[last - 1]
-            and (ends[first + 1] == ends[last - 1]).all()
+            and meet(first + 1, last - 1)
+            and _retraced(way, int(index[first]), int(index[last - 1]))
         ):
             first, last = first + 1, last - 1
+        # What follows the first return to its start is an overcut and the way back on it.
+        off = np.hypot(*(ends[first + 1 : last + 1] - ends[first]).astype(float).T)
+        back = off <= room
+        if room > 0:  # ends of blocks shorter than the room are no return
+            back &= np.cumsum(way.steps[index[first:last]]) > 6.0 * room
+        last = first + 1 + int(np.flatnonzero(back)[0]) if back.any() else last
     else:
         # No way back to the thread point: the longest closed stretch that begins early.
         best = (0, 0, len(index))
@@ -108,6 +124,14 @@ def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
     area = float(np.dot(u, np.roll(v, -1)) - np.dot(np.roll(u, -1), v)) / 2.0
     box = np.array([x.min(), y.min(), x.max(), y.max()])
     return Piece(index, pauses, first, last, closed, box, area)
+
+
+def _retraced(way: Walk, there: int, back: int) -> bool:
+    """Return whether two blocks, whose ends are known to meet, have one way there and back."""
+    x, y, _ = way.points(np.array([there]))
+    u, v, _ = way.points(np.array([back]))
+    off = np.hypot(x[len(x) // 2] - u[-1 - len(u) // 2], y[len(y) // 2] - v[-1 - len(v) // 2])
+    return bool(off <= MIDDLES)
 
 
 def path_box(cut: Cut) -> Floats:

@@ -409,14 +409,15 @@ def inside_parity(s: Segments, x: Floats, y: Floats) -> Bools:
     if not len(i):
         return count > 0
     px, py, e = x[i], y[i], s.take(j)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        part = (py - e.ay) / (e.by - e.ay)
-        right = e.ax + part * (e.bx - e.ax) > px
-    hit = (np.minimum(e.ay, e.by) <= py) & (py < np.maximum(e.ay, e.by)) & right
+    dx, dy = e.bx - e.ax, e.by - e.ay
+    # Which hand of the chord: > 0 left. On the chord as if a trifle to +x, or +y where it is level.
+    hand = dx * (py - e.ay) - dy * (px - e.ax)
+    hand = np.where(hand != 0, hand, np.where(dy != 0, -dy, dx))
+    spans = (np.minimum(e.ay, e.by) <= py) & (py < np.maximum(e.ay, e.by))
+    hit = spans & ((hand > 0) == (dy > 0))
     count += np.bincount(i[hit], minlength=len(x))
-    # Between arc and chord: in the disc, and beyond the chord as seen from the arc's middle.
-    qx, qy = px - e.cx, py - e.cy
-    beyond = (qx * e.mx + qy * e.my >= e.radius * np.cos(e.half)) | (e.half >= np.pi)
-    cap = (e.turn != 0) & (np.hypot(qx, qy) < e.radius) & beyond
+    # Between arc and chord: in the disc, on the arc's hand of the chord (a full circle: both).
+    in_disc = (px - e.cx) ** 2 + (py - e.cy) ** 2 < e.radius**2
+    cap = (e.turn != 0) & in_disc & ((hand * e.turn < 0) | (e.half >= np.pi))
     count += np.bincount(i[cap], minlength=len(x))
     return np.asarray(count % 2 == 1)

@@ -95,4 +95,8 @@ def _arc_ends(
     # Whole half turns between turning points, and the parts before the first and after the last.
     a0 = np.arccos(np.clip(heading * g / np.maximum(radius, 1.0), -1.0, 1.0))
     a1 = np.arccos(np.clip(last * g_end / np.maximum(radius, 1.0), -1.0, 1.0))
-    return ex, ey, np.where(past, a0 + legs * np.pi + (np.pi - a1), a0 - a1)
+    rough = np.where(past, a0 + legs * np.pi + (np.pi - a1), a0 - a1)
+    # Exactly: the angle between the two points, in the turn that this tells.
+    angle = np.mod((np.arctan2(ey, ex) - np.arctan2(y, x)) * turn, 2.0 * np.pi)
+    sweep = angle + 2.0 * np.pi * np.round((rough - angle) / (2.0 * np.pi))
+    return ex, ey, np.maximum(sweep, 0.0)

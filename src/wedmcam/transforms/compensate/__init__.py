@@ -23,13 +23,48 @@ from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.compensate.coordinates import node_points
 from wedmcam.transforms.compensate.interference import Interference, find_interference
 from wedmcam.transforms.compensate.raw import SPECK_UM, Raw, Source, gather, raw_offset
-from wedmcam.transforms.compensate.resolve import Loops, resolve
+from wedmcam.transforms.compensate.resolve import Limits, Loops, resolve
+from wedmcam.transforms.compensate.untangle import untangled
 
 __all__ = ["Compensated", "Interference", "WirePath", "compensate", "largest_offset"]
 
-#: Segments shorter than this (um) are left out, tried in this order until no piece is lost. Curls
-#: of less than a micron at a corner can cross themselves at a scale that nothing else shows.
-SPECKS_UM = (SPECK_UM, 0.05, 0.3, 1.5)
+
+
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    """How one attempt takes the drawing.
+
+    Attributes:
+        limits: see there.
+        nudge_um: added to the offset. Where walls coincide or many things meet in one point, a few
+            nanometres decide what is what, and cost no accuracy that anything can show.
+        speck_um: segments shorter than this are left out: curls of less than a micron at a corner
+            can cross themselves at a scale that nothing else shows.
+        untangle: cut off loops of less than a few microns at their crossing.
+    """
+
+    limits: Limits
+    nudge_um: float = 0.0
+    speck_um: float = SPECK_UM
+    untangle: bool = False
+
+
+#: Tried in this order until every piece of the path has found its neighbours.
+ATTEMPTS = (
+    _Attempt(Limits()),
+    _Attempt(Limits(), untangle=True),
+    _Attempt(Limits(near=1e-4, touch=0.01)),
+    _Attempt(Limits(), 0.002),
+    _Attempt(Limits(), -0.002),
+    _Attempt(Limits(near=1e-4, touch=0.01), 0.002, untangle=True),
+    _Attempt(Limits(near=1e-4, touch=0.01), -0.002, untangle=True),
+    _Attempt(Limits(near=2e-3, touch=0.01), 0.004, untangle=True),
+    _Attempt(Limits(near=2e-3, touch=0.01), -0.004, untangle=True),
+    _Attempt(Limits(near=0.01, touch=0.06), untangle=True),
+    _Attempt(Limits(near=0.01, touch=0.06), speck_um=0.05, untangle=True),
+    _Attempt(Limits(near=0.01, touch=0.06), speck_um=0.3, untangle=True),
+    _Attempt(Limits(near=0.01, touch=0.06), speck_um=1.5, untangle=True),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,10 +118,13 @@ def compensate(
     Source: the transition arcs are the ZD-065 paper's; shifting, cutting and judging by distance
     follows Liu, Yong, Zheng and Sun, Computers in Industry 58 (2007), stitching by node is ours.
     """
-    for speck_um in SPECKS_UM:
-        source = gather(list(outlines), list(shifts), speck_um)
+    for attempt in ATTEMPTS:
+        nudged = [s + float(np.sign(s)) * attempt.nudge_um for s in shifts]
+        source = gather(outlines, nudged, attempt.speck_um)
+        if attempt.untangle:
+            source = untangled(source) or source
         raw = raw_offset(source, sharp)
-        found = resolve(source, raw)
+        found = resolve(source, raw, attempt.limits)
         if not len(found.lost):
             break
     else:

@@ -16,7 +16,9 @@ in the order of travel.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +36,7 @@ POINT_UM = 1e-3
 #: Ends nearer than this may meet in the middle, if that moves the path sideways by less than
 #: SIDEWAYS_UM: half a step of the machine; um.
 SNAP_UM = 0.5
-SIDEWAYS_UM = 0.01
+SIDEWAYS_UM = 0.002
 #: ``--convex sharp`` reaches at most this many offsets from the corner (spec, command line).
 MITRE_LIMIT = 4.0
 
@@ -73,6 +75,9 @@ class Raw:
         following: the next element of the contour, -1 at the end of an open one.
         joined: whether the element's end and the start of the following are one point.
         vanished: segments (indices into ``Source``) whose arc has no offset.
+        slack: by how much the ends of an element were moved off its line or circle, um.
+        bend: by how much the path turns where the element is joined to the following one, radians
+            >= 0; 0 where a transition arc stands.
     """
 
     elements: Segments
@@ -82,16 +87,18 @@ class Raw:
     following: Ints
     joined: NDArray[np.bool_]
     vanished: Ints
+    slack: Floats
+    bend: Floats
 
 
 def gather(
-    contours: list[Contour], shifts: list[float], speck_um: float = SPECK_UM
+    contours: Sequence[Contour], shifts: Sequence[float], speck_um: float = SPECK_UM
 ) -> Source:
     """Return the segments of all contours in one array, relative to a whole-um origin near them.
 
     Segments shorter than ``speck_um`` are left out; the chain stays connected.
     """
-    columns: list[list[NDArray[np.float64]]] = [[] for _ in range(7)]
+    columns: list[list[NDArray[Any]]] = [[] for _ in range(7)]
     contour_of, row_of, following, shift_of = [], [], [], []
     xs = np.concatenate([c.vertices["x"] for c in contours])
     ys = np.concatenate([c.vertices["y"] for c in contours])
@@ -160,24 +167,35 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     dot = t1x * t0x[k] + t1y * t0y[k]
     cross = t1x * t0y[k] - t1y * t0x[k]
     turning = np.abs(np.arctan2(cross, dot))
-    gap = np.hypot(x0[k] - x1, y0[k] - y1)
+    gx, gy = x0[k] - x1, y0[k] - y1
+    gap = np.hypot(gx, gy)
+    bow = np.where(arc, 0.125 / np.maximum(radius, POINT_UM), 0.0)
+    sideways = np.maximum(
+        0.5 * np.abs(gx * t1y - gy * t1x) + gap * gap * bow,
+        0.5 * np.abs(gx * t0y[k] - gy * t0x[k]) + gap * gap * bow[k],
+    )
     # The wire goes round a corner that turns away from it; a full reversal it always goes round.
     outer = has & ((cross * shift < 0) | ((dot < 0) & (np.abs(cross) < 1e-12)))
     shifted_length = np.where(arc, np.maximum(radius, 0.0) * s.sweep, s.length)
     short = np.minimum(shifted_length, shifted_length[k])
-    meets = has & ~vanished & ~vanished[k] & _snaps(gap, turning, short)
+    meets = has & ~vanished & ~vanished[k] & _snaps(gap, sideways, turning, short)
     corner = outer & ~meets & (shift != 0)
 
     if sharp and corner.any():
+        sideways = sideways.copy()
         moved = _mitre(s, shift, radius, corner & ~vanished & ~vanished[k], k, x1, y1)
         rows, mx, my = moved
         x1[rows], y1[rows] = mx, my
         x0[k[rows]], y0[k[rows]] = mx, my
         corner[rows] = False
         meets[rows] = True
+        sideways[rows] = 0.0
 
     # Snapped ends meet in the middle; both elements end there.
     rows = np.flatnonzero(meets)
+    slack = np.abs(np.hypot(s.x1 - s.cx, s.y1 - s.cy) - s.radius) * arc
+    slack[rows] = np.maximum(slack[rows], sideways[rows])
+    slack[k[rows]] = np.maximum(slack[k[rows]], sideways[rows])
     mx, my = 0.5 * (x1[rows] + x0[k[rows]]), 0.5 * (y1[rows] + y0[k[rows]])
     x1[rows], y1[rows] = mx, my
     x0[k[rows]], y0[k[rows]] = mx, my
@@ -213,8 +231,13 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
         open_ends = source.following[_last_of_contour(source)] < 0
         closed = ~open_ends[contour[last]]
         following[last] = np.where(closed, first, -1)
-    joined, elements = _joints(elements, following, transition, of, meets, corner)
-    return Raw(elements, of, transition, contour, following, joined, np.flatnonzero(vanished))
+    none = np.zeros(len(corners))
+    slack = np.concatenate([slack[alive], none])[order]
+    bend = np.concatenate([np.where(meets, turning, 0.0)[alive], none])[order]
+    joined, elements = _joints(elements, following, slack, bend)
+    return Raw(
+        elements, of, transition, contour, following, joined, np.flatnonzero(vanished), slack, bend
+    )
 
 
 def _last_of_contour(source: Source) -> Ints:
@@ -222,50 +245,53 @@ def _last_of_contour(source: Source) -> Ints:
     return last.astype(np.int64)
 
 
-def _snaps(gap: Floats, turning: Floats, short: Floats) -> NDArray[np.bool_]:
-    """Return where ends ``gap`` apart, turning by an angle, may meet in the middle.
+def _snaps(gap: Floats, sideways: Floats, turning: Floats, short: Floats) -> NDArray[np.bool_]:
+    """Return where ends ``gap`` apart may meet in the middle, which moves them ``sideways``.
 
-    Meeting there moves the path sideways by about gap * tan(turning / 2) / 2. An element shorter
-    than four gaps is not moved: it could turn round.
+    An element shorter than four gaps is not moved: it could turn round. Nor are ends that turn back.
     """
-    sideways = gap * np.tan(np.minimum(turning, 3.0) / 2.0)
-    near = (gap < SAME_UM) | ((gap < SNAP_UM) & (sideways < SIDEWAYS_UM))
+    near = (gap < SAME_UM) | ((gap < SNAP_UM) & (sideways < SIDEWAYS_UM) & (turning < 1.5))
     result: NDArray[np.bool_] = near & (gap <= 0.25 * short)
     return result
 
 
 def _joints(
-    e: Segments,
-    following: Ints,
-    transition: NDArray[np.bool_],
-    of: Ints,
-    meets: NDArray[np.bool_],
-    corner: NDArray[np.bool_],
+    e: Segments, following: Ints, slack: Floats, bend: Floats
 ) -> tuple[NDArray[np.bool_], Segments]:
     """Return which elements are joined to the following one, snapping over vanished arcs.
 
     Elements that stand next to each other because an arc between them shrank to (nearly) a point
-    are snapped here; neighbours in the drawing were snapped before.
+    are snapped here; neighbours in the drawing were snapped before. Fills in ``slack`` and ``bend`` there.
     """
     count = len(following)
     has = following >= 0
     k = np.where(has, following, 0)
-    gap = np.hypot(e.x0[k] - e.x1, e.y0[k] - e.y1)
-    joined = has & (gap == 0)
+    joined = has & (e.x0[k] == e.x1) & (e.y0[k] == e.y1)
     loose = np.flatnonzero(has & ~joined)
     if not len(loose) or count < 2:
         return joined, e
     f = k[loose]
+    gx, gy = e.x0[f] - e.x1[loose], e.y0[f] - e.y1[loose]
     t1x, t1y = seg.end_tangents(e.take(loose))
     t0x, t0y = seg.start_tangents(e.take(f))
     turning = np.abs(np.arctan2(t1x * t0y - t1y * t0x, t1x * t0x + t1y * t0y))
+    gap = np.hypot(gx, gy)
+    bow = np.where(e.turn != 0, 0.125 / np.maximum(e.radius, POINT_UM), 0.0)
+    sideways = np.maximum(
+        0.5 * np.abs(gx * t1y - gy * t1x) + gap * gap * bow[loose],
+        0.5 * np.abs(gx * t0y - gy * t0x) + gap * gap * bow[f],
+    )
     short = np.minimum(e.length[loose], e.length[f])
-    rows = loose[_snaps(gap[loose], turning, short)]
+    snapped = _snaps(gap, sideways, turning, short)
+    rows = loose[snapped]
     if len(rows):
         x0, y0, x1, y1 = e.x0.copy(), e.y0.copy(), e.x1.copy(), e.y1.copy()
         f = k[rows]
         mx, my = 0.5 * (x1[rows] + x0[f]), 0.5 * (y1[rows] + y0[f])
         x1[rows], y1[rows], x0[f], y0[f] = mx, my, mx, my
+        bend[rows] = turning[snapped]
+        slack[rows] = np.maximum(slack[rows], sideways[snapped])
+        slack[f] = np.maximum(slack[f], sideways[snapped])
         e = seg.make(x0, y0, x1, y1, e.cx, e.cy, e.turn, e.radius, e.sweep)
         joined[rows] = True
     return joined, e

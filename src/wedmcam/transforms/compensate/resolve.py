@@ -18,17 +18,32 @@ from wedmcam.geom import crossings, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints
 from wedmcam.transforms.compensate.raw import Raw, Source
+from wedmcam.transforms.compensate.untangle import on_free_side
 
 #: Crossings and ends this near are one node; um. Far above float64 noise, far below the grid.
 NODE_UM = 2e-3
-#: How much nearer than the offset a kept piece may be; um. Joints that met in the middle need it.
-NEAR_UM = 0.01
-#: A loose end this near to another element touches it: nearly tangent, they need not cross; um.
-TOUCH_UM = 0.06
 #: Loops thinner than this (area over length) are no cut; um.
 SLIVER_UM = 0.02
+#: Pieces of opposite direction this near to each other are the two walls of one slot; um.
+BESIDE_UM = 0.02
 #: Crossings this near to the point at which two neighbours are joined anyway are that point; um.
 JOINT_UM = 1.0
+#: A piece that is clear of everything and longer than this must not get lost; um.
+LOST_UM = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """How exactly things are taken to be equal, um.
+
+    Attributes:
+        near: how much nearer than the offset a kept piece may be, besides the slack of its element.
+        touch: a loose end this near to another element touches it: nearly tangent, they need not
+            cross.
+    """
+
+    near: float = 1e-6
+    touch: float = 2e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,9 +59,11 @@ class Loops:
         node_i, node_j: the two elements that a crossing node lies on, -1 for an end or joint.
         lost: pieces that should have found a partner and did not; not empty means 'do not trust'.
         lost_at: where they are, shape (n, 2).
+        walls: elements that run along each other in opposite directions: a slot or neck as wide as
+            the wire. Both were dropped there.
     """
 
-    loops: list[list[int]]
+    loops: list[Ints]
     closed: list[bool]
     element: Ints
     at0: Floats
@@ -59,9 +76,25 @@ class Loops:
     node_j: Ints
     lost: Ints
     lost_at: NDArray[np.float64]
+    walls: Ints
 
 
-def resolve(source: Source, raw: Raw, near_um: float = NEAR_UM, node_um: float = NODE_UM) -> Loops:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pieces:
+    """Elements cut at all their nodes; columns as in `Loops`, and how far clear of the drawing."""
+
+    element: Ints
+    at0: Floats
+    at1: Floats
+    node0: Ints
+    node1: Ints
+    clear: Floats
+
+    def take(self, index: Ints | NDArray[np.bool_]) -> _Pieces:
+        return _Pieces(*(getattr(self, name)[index] for name in self.__slots__))
+
+
+def resolve(source: Source, raw: Raw, limits: Limits) -> Loops:
     """Return the loops of the wire path, exact up to float64, as pieces of raw elements."""
     e = raw.elements
     n = len(e)
@@ -76,16 +109,15 @@ def resolve(source: Source, raw: Raw, near_um: float = NEAR_UM, node_um: float =
 
     c = _crossings(raw)
     if len(c.i) == 0 and len(joined) == n and not len(raw.vanished):
-        return _whole(raw, starts, ends, x, y)
+        return _whole(source, raw, starts, ends, x, y)
 
     m = len(c.i)
     node_x, node_y = np.concatenate([x, c.x]), np.concatenate([y, c.y])
-    used = np.ones(2 * n, bool)
-    used[n:] = starts == np.arange(n, 2 * n)
-    label = _merged(node_x, node_y, np.concatenate([used, np.ones(m, bool)]), node_um)
+    used = np.ones(2 * n + m, bool)
+    used[n : 2 * n] = starts >= n
+    label = _merged(node_x, node_y, used)
     crossing = np.arange(2 * n, 2 * n + m)
-
-    touched, touched_at, touching = _touches(raw, starts, ends, x, y)
+    touched, touched_at, touching = _touches(raw, starts, ends, x, y, limits.touch)
 
     # Cut: one row per (element, position, node), sorted; neighbours in it bound a piece.
     of = np.concatenate([ends, ends, c.i, c.j, touched])
@@ -94,51 +126,70 @@ def resolve(source: Source, raw: Raw, near_um: float = NEAR_UM, node_um: float =
     rank = np.concatenate([np.zeros(n), np.full(n, 2), np.ones(2 * m + len(touched))])
     order = np.lexsort((rank, at, of))
     of, at, node = of[order], at[order], node[order]
-    same = of[1:] == of[:-1]
-    element, at0, at1 = of[:-1][same], at[:-1][same], at[1:][same]
-    node0, node1 = node[:-1][same], node[1:][same]
-    real = (node0 != node1) | (at1 - at0 > JOINT_UM)
-    element, at0, at1, node0, node1 = (a[real] for a in (element, at0, at1, node0, node1))
-
+    real = of[1:] == of[:-1]
+    real &= (node[:-1] != node[1:]) | (at[1:] - at[:-1] > JOINT_UM)
+    k = np.flatnonzero(real)
+    element, at0, at1, node0, node1 = of[k], at[k], at[k + 1], node[k], node[k + 1]
     clear = _clearance(source, raw, element, 0.5 * (at0 + at1))
-    keep = np.flatnonzero(clear >= -near_um)
-    element, at0, at1, node0, node1, clear = (
-        a[keep] for a in (element, at0, at1, node0, node1, clear)
-    )
+    kept = clear >= -limits.near - 2.0 * raw.slack[element]
+    p = _Pieces(element, at0, at1, node0, node1, clear).take(kept)
+
+    p, walls = _without_doubles(raw, p)
     terminal_starts = label[starts[_run_starts(raw)]]
     terminal_ends = label[ends[raw.following < 0]]
-    alive = _without_doubles(raw, element, at0, at1, node0, node1, clear)
-    alive, lost = _without_dead_ends(
-        node0, node1, clear, at1 - at0, alive, terminal_starts, terminal_ends, len(node_x)
-    )
-    loops, closed, stray = _stitch(
-        raw, element, at0, at1, node0, node1, alive, terminal_starts, source
-    )
-    stray = stray[(clear[stray] > -1e-6) & (at1[stray] - at0[stray] > 0.1)]
+    alive, lost = _without_dead_ends(p, terminal_starts, terminal_ends, len(node_x))
+    loops, closed, stray = _stitch(raw, source, p, alive, terminal_starts)
+    stray = stray[(p.clear[stray] > -1e-6) & (p.at1[stray] - p.at0[stray] > LOST_UM)]
     lost = np.concatenate([lost, stray])
-    mid = seg.points_at(e.take(element[lost]), 0.5 * (at0[lost] + at1[lost]))
+    lost = lost[~_beside_open(raw, p.element[lost])]
+    lost = lost[_free(source, raw, p, lost)]
+    mid = seg.points_at(e.take(p.element[lost]), 0.5 * (p.at0[lost] + p.at1[lost]))
     node_i = np.full(len(node_x), -1)
     node_j = np.full(len(node_x), -1)
     node_i[label[crossing]], node_j[label[crossing]] = c.i, c.j
     # A crossing merged with the end of an element is that joint.
-    plain = label[np.concatenate([starts[used[n:]], ends])]
+    plain = label[np.concatenate([starts[starts >= n], ends])]
     node_i[plain] = node_j[plain] = -1
     found = Loops(
         loops,
         closed,
-        element,
-        at0,
-        at1,
-        node0,
-        node1,
+        p.element,
+        p.at0,
+        p.at1,
+        p.node0,
+        p.node1,
         node_x,
         node_y,
         node_i,
         node_j,
         lost,
         np.column_stack(mid),
+        walls,
     )
-    return _without_slivers(raw, found)
+    return _without_slivers(source, raw, found)
+
+
+def _free(source: Source, raw: Raw, p: _Pieces, which: Ints) -> NDArray[np.bool_]:
+    """Return which pieces lie on the side of their contour that the wire was shifted to.
+
+    Where a drawing crosses itself within a micron, arcs about a corner reach to the other side.
+    """
+    free = np.ones(len(which), bool)
+    # The first lost piece decides whether there is a next attempt, so few are enough.
+    contour = raw.contour[p.element[which]]
+    for k in np.flatnonzero(raw.transition[p.element[which]])[:20].tolist():
+        one = which[k : k + 1]
+        x, y = seg.points_at(raw.elements.take(p.element[one]), 0.5 * (p.at0[one] + p.at1[one]))
+        free[k] = on_free_side(source, int(contour[k]), x, y)[0]
+    return free
+
+
+def _beside_open(raw: Raw, element: Ints) -> NDArray[np.bool_]:
+    """Return which elements belong to open contours, whose ends may lie where no wire fits."""
+    is_open = np.zeros(int(raw.contour.max(initial=0)) + 1, bool)
+    is_open[raw.contour[raw.following < 0]] = True
+    result: NDArray[np.bool_] = is_open[raw.contour[element]]
+    return result
 
 
 def _run_starts(raw: Raw) -> Ints:
@@ -148,11 +199,16 @@ def _run_starts(raw: Raw) -> Ints:
     return np.flatnonzero(~follows)
 
 
-def _whole(raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Floats) -> Loops:
+def _whole(source: Source, raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Floats) -> Loops:
     """Return the raw offset as it is: nothing vanished and nothing crosses."""
     n = len(ends)
-    first = np.flatnonzero(np.append(True, raw.contour[1:] != raw.contour[:-1])) if n else []
-    loops = [list(range(a, b)) for a, b in zip(first, [*first[1:], n], strict=True)]
+    first = np.flatnonzero(np.append(True, raw.contour[1:] != raw.contour[:-1])[:n])
+    loops = [np.arange(a, b) for a, b in zip(first, [*first[1:], n], strict=True)]
+    if len(loops) > 1:
+        # Without a crossing each loop is clear of the other contours in whole or not at all.
+        clear = _clearance(source, raw, first, 0.5 * raw.elements.length[first])
+        kept = clear >= -1e-6 - 2.0 * raw.slack[first]
+        loops = [loop for loop, k in zip(loops, kept.tolist(), strict=True) if k]
     none = np.full(2 * n, -1)
     found = Loops(
         loops,
@@ -168,8 +224,9 @@ def _whole(raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Floats) -> Loops:
         none,
         np.empty(0, np.int64),
         np.empty((0, 2)),
+        np.empty(0, np.int64),
     )
-    return _without_slivers(raw, found)
+    return _without_slivers(source, raw, found)
 
 
 def _crossings(raw: Raw) -> crossings.Crossings:
@@ -180,7 +237,8 @@ def _crossings(raw: Raw) -> crossings.Crossings:
     before = raw.joined[j] & (raw.following[j] == i)
     neighbours = after | before
     # Joined neighbours can meet again only when they turn by half a circle between them.
-    far = ~neighbours | (e.sweep[i] + e.sweep[j] > 3.0)
+    bend = np.where(after, raw.bend[i], raw.bend[j])
+    far = ~neighbours | (e.sweep[i] + e.sweep[j] + 2.0 * bend > 3.0)
     i, j = i[far], j[far]
     c = crossings.between(e, i, j)
     after = raw.joined[c.i] & (raw.following[c.i] == c.j)
@@ -195,28 +253,27 @@ def _crossings(raw: Raw) -> crossings.Crossings:
 
 
 def _touches(
-    raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Floats
+    raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Floats, touch: float
 ) -> tuple[Ints, Floats, Ints]:
     """Return (element, position, node): loose ends that lie on another element, nearly."""
     n = len(ends)
     loose = np.concatenate([ends[~raw.joined], starts[starts >= n]])
     px, py = x[loose], y[loose]
-    boxes = pairs.grown(seg.boxes(raw.elements), TOUCH_UM)
+    boxes = pairs.grown(seg.boxes(raw.elements), touch)
     i, j = pairs.overlapping((px, py, px, py), boxes)
     e = raw.elements.take(j)
     at = seg.position_of(e, px[i], py[i])
-    near = (seg.distances(e, px[i], py[i]) <= TOUCH_UM) & (at > TOUCH_UM)
-    near &= at < e.length - TOUCH_UM
+    near = (seg.distances(e, px[i], py[i]) <= touch) & (at > touch) & (at < e.length - touch)
     return j[near], at[near], loose[i[near]]
 
 
-def _merged(x: Floats, y: Floats, used: NDArray[np.bool_], node_um: float) -> Ints:
+def _merged(x: Floats, y: Floats, used: NDArray[np.bool_]) -> Ints:
     """Return for each node the representative of the cluster of nodes that it coincides with."""
     label = np.arange(len(x))
     rows = np.flatnonzero(used)
     px, py = x[rows], y[rows]
-    i, j = pairs.self_overlapping(pairs.grown((px, py, px, py), 0.5 * node_um))
-    near = np.hypot(px[i] - px[j], py[i] - py[j]) <= node_um
+    i, j = pairs.self_overlapping(pairs.grown((px, py, px, py), 0.5 * NODE_UM))
+    near = np.hypot(px[i] - px[j], py[i] - py[j]) <= NODE_UM
     i, j = rows[i[near]], rows[j[near]]
     while True:  # labels flow to the smallest; clusters are tiny, so this takes a pass or two
         low = np.minimum(label[i], label[j])
@@ -240,150 +297,150 @@ def _clearance(source: Source, raw: Raw, element: Ints, at: Floats) -> Floats:
         b = slice(a, a + step)
         i, j = pairs.overlapping((x[b], y[b], x[b], y[b]), drawn)
         d = seg.distances(source.segments.take(j), x[b][i], y[b][i])
-        np.minimum.at(result[b], i, d)
+        result[b] = pairs.least(d, i, len(x[b]))
     return result - offset
 
 
-def _without_doubles(
-    raw: Raw,
-    element: Ints,
-    at0: Floats,
-    at1: Floats,
-    node0: Ints,
-    node1: Ints,
-    clear: Floats,
-) -> NDArray[np.bool_]:
-    """Return which pieces stay when of pieces that run beside each other only one does."""
-    alive = np.ones(len(element), bool)
-    order = np.lexsort((-clear, node1, node0))
-    same = (node0[order][1:] == node0[order][:-1]) & (node1[order][1:] == node1[order][:-1])
+def _without_doubles(raw: Raw, p: _Pieces) -> tuple[_Pieces, Ints]:
+    """Return the pieces that stay when some run along each other, and the elements of walls.
+
+    Of pieces in one direction one stays, of two in opposite directions (the walls of a slot as wide
+    as the wire) none: the free space between them has no width.
+    """
+    low, high = np.minimum(p.node0, p.node1), np.maximum(p.node0, p.node1)
+    order = np.lexsort((-p.clear, p.node0, high, low))
+    same = (low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1])
     rows = np.flatnonzero(same)
-    if len(rows):
-        a, b = order[rows], order[rows + 1]
-        e = raw.elements
-        ax, ay = seg.points_at(e.take(element[a]), 0.5 * (at0[a] + at1[a]))
-        bx, by = seg.points_at(e.take(element[b]), 0.5 * (at0[b] + at1[b]))
-        beside = np.hypot(ax - bx, ay - by) < 5 * NEAR_UM
-        alive[b[beside]] = False
-    return alive
+    alive = np.ones(len(p.element), bool)
+    if not len(rows):
+        return p, np.empty(0, np.int64)
+    mx, my = seg.points_at(raw.elements.take(p.element), 0.5 * (p.at0 + p.at1))
+    walls: list[int] = []
+    groups = np.split(order[np.unique(np.append(rows, rows + 1))], [])[0]
+    changes = np.flatnonzero((low[groups][1:] != low[groups][:-1]) | (high[groups][1:] != high[groups][:-1]))
+    for group in np.split(groups, changes + 1):
+        members = group.tolist()
+        for m, a in enumerate(members):
+            for b in members[m + 1 :]:
+                if not (alive[a] and alive[b]):
+                    continue
+                if np.hypot(mx[a] - mx[b], my[a] - my[b]) > BESIDE_UM:
+                    continue
+                alive[b] = False
+                if p.node0[a] != p.node0[b]:
+                    alive[a] = False
+                    walls += [int(p.element[a]), int(p.element[b])]
+    return p.take(alive), np.array(walls, np.int64)
 
 
 def _without_dead_ends(
-    node0: Ints,
-    node1: Ints,
-    clear: Floats,
-    length: Floats,
-    alive: NDArray[np.bool_],
-    terminal_starts: Ints,
-    terminal_ends: Ints,
-    nodes: int,
+    p: _Pieces, terminal_starts: Ints, terminal_ends: Ints, nodes: int
 ) -> tuple[NDArray[np.bool_], Ints]:
     """Drop pieces that lead nowhere; return the rest, and those dropped that were clear of all.
 
     Pieces that dip into the forbidden zone by less than the tolerance were kept and lead nowhere:
     that is expected. A piece that does not dip and leads nowhere is a crossing that was missed.
     """
-    alive = alive.copy()
+    alive = np.ones(len(p.element), bool)
     lost = np.zeros(len(alive), bool)
+    length = p.at1 - p.at0
     while True:
-        entered = np.bincount(node1[alive], minlength=nodes)
-        left = np.bincount(node0[alive], minlength=nodes)
+        entered = np.bincount(p.node1[alive], minlength=nodes)
+        left = np.bincount(p.node0[alive], minlength=nodes)
         entered[terminal_starts] += 1
         left[terminal_ends] += 1
-        dead = alive & ((entered[node0] == 0) | (left[node1] == 0))
+        dead = alive & ((entered[p.node0] == 0) | (left[p.node1] == 0))
         if not dead.any():
             return alive, np.flatnonzero(lost)
-        lost |= dead & (clear > -1e-6) & (length > 0.1)
+        lost |= dead & (p.clear > -1e-6) & (length > LOST_UM)
         alive &= ~dead
 
 
 def _stitch(
-    raw: Raw,
-    element: Ints,
-    at0: Floats,
-    at1: Floats,
-    node0: Ints,
-    node1: Ints,
-    alive: NDArray[np.bool_],
-    terminal_starts: Ints,
-    source: Source,
-) -> tuple[list[list[int]], list[bool], Ints]:
+    raw: Raw, source: Source, p: _Pieces, alive: NDArray[np.bool_], terminal_starts: Ints
+) -> tuple[list[Ints], list[bool], Ints]:
     """Follow the pieces from node to node; return loops, which are closed, and strays."""
     rows = np.flatnonzero(alive)
-    out: dict[int, list[int]] = {}
-    for k, node in zip(rows.tolist(), node0[rows].tolist(), strict=True):
-        out.setdefault(node, []).append(k)
-    end = node1.tolist()
-    tx0 = ty0 = tx1 = ty1 = np.empty(0)
-    if any(len(v) > 1 for v in out.values()):
-        e = raw.elements.take(element)
-        tx0, ty0 = seg.tangents_at(e, at0)
-        tx1, ty1 = seg.tangents_at(e, at1)
-    shift = source.shift[raw.source[element]]
-
-    def leave(k: int, node: int) -> int | None:
-        """Return the piece that goes on from piece k: where several do, the sharpest turn.
-
-        The free side is the side the wire was shifted to; turning sharpest to it stays at the
-        border of one free region, so loops that touch are split.
-        """
-        choices = out.get(node)
-        if not choices:
-            return None
-        if len(choices) == 1:
-            return choices.pop()
-        sign = 1.0 if shift[k] >= 0 else -1.0
-
-        def turn(c: int) -> float:
-            cross = tx1[k] * ty0[c] - ty1[k] * tx0[c]
-            dot = tx1[k] * tx0[c] + ty1[k] * ty0[c]
-            angle = float(np.arctan2(cross, dot)) * sign
-            # Straight back counts as the least, not the most, turn to the free side.
-            return angle if angle < np.pi - 1e-6 else -angle
-
-        best = max(choices, key=lambda c: (turn(c), -c))
-        choices.remove(best)
-        return best
-
-    loops: list[list[int]] = []
+    order = rows[np.argsort(p.node0[rows], kind="stable")]
+    begins = p.node0[order]
+    first = np.searchsorted(begins, p.node1)
+    count = np.searchsorted(begins, p.node1, "right") - first
+    follower = np.full(len(p.element), -1)
+    one = count == 1
+    follower[one] = order[first[one]]
+    several = rows[count[rows] > 1]
+    if len(several):
+        _choose(raw, source, p, several, order, first, count, follower)
+    # Where a piece has two before it, one of those is a stray.
+    following = follower.tolist()
+    heads = np.isin(p.node0, terminal_starts) & alive
+    taken = bytearray(len(following))
+    loops: list[Ints] = []
     closed: list[bool] = []
     stray: list[int] = []
-    heads = [k for node in terminal_starts.tolist() for k in out.get(node, [])]
-    head_set = set(heads)
-    taken = np.zeros(len(element), bool)
-    for first in [*heads, *rows.tolist()]:
-        if taken[first]:
+    is_head = heads.tolist()
+    for begin in [*np.flatnonzero(heads).tolist(), *rows.tolist()]:
+        if taken[begin]:
             continue
-        begin = int(node0[first])
-        out[begin].remove(first)
-        run = [first]
-        here = end[first]
-        while here != begin or first in head_set:
-            nxt = leave(run[-1], here)
-            if nxt is None:
-                break
-            run.append(nxt)
-            here = end[nxt]
-        taken[run] = True
-        if first in head_set:
-            loops.append(run)
-            closed.append(False)
-        elif here == begin:
-            loops.append(run)
-            closed.append(True)
+        run = []
+        here = begin
+        while here >= 0 and not taken[here]:
+            taken[here] = 1
+            run.append(here)
+            here = following[here]
+        if is_head[begin] or here == begin:
+            loops.append(np.array(run))
+            closed.append(here == begin and not is_head[begin])
         else:
             stray += run
     return loops, closed, np.array(stray, np.int64)
 
 
-def _without_slivers(raw: Raw, found: Loops) -> Loops:
+def _choose(
+    raw: Raw,
+    source: Source,
+    p: _Pieces,
+    several: Ints,
+    order: Ints,
+    first: Ints,
+    count: Ints,
+    follower: Ints,
+) -> None:
+    """Fill in ``follower`` where several pieces leave a node: the sharpest turn to the free side.
+
+    The free side is the side the wire was shifted to; turning sharpest to it stays at the border of
+    one free region, so loops that touch are split. Each piece follows one other.
+    """
+    k, at = pairs.expand(first[several], first[several] + count[several])
+    a, b = several[k], order[at]
+    e = raw.elements
+    t1x, t1y = seg.tangents_at(e.take(p.element[a]), p.at1[a])
+    t0x, t0y = seg.tangents_at(e.take(p.element[b]), p.at0[b])
+    sign = np.where(source.shift[raw.source[p.element[a]]] >= 0, 1.0, -1.0)
+    turn = np.arctan2(t1x * t0y - t1y * t0x, t1x * t0x + t1y * t0y) * sign
+    # Straight back counts as the least, not the most, turn to the free side.
+    turn = np.where(turn < np.pi - 1e-6, turn, -turn)
+    gone: set[int] = set()
+    for m in np.lexsort((b, a, -turn)).tolist():
+        before, after = int(a[m]), int(b[m])
+        if follower[before] < 0 and after not in gone:
+            follower[before] = after
+            gone.add(after)
+
+
+def _without_slivers(source: Source, raw: Raw, found: Loops) -> Loops:
     """Drop loops without a width: coincident walls run along once in each direction."""
     keep, closed = [], []
     for loop, is_closed in zip(found.loops, found.closed, strict=True):
         if is_closed:
-            area, length = _area_and_length(raw, found, np.array(loop))
+            area, length = _area_and_length(raw, found, loop)
             if abs(area) < SLIVER_UM * length:
                 continue
+            element = found.element[loop]
+            if raw.transition[element].all():
+                x, y = seg.points_at(raw.elements.take(element[:1]), found.at0[loop[:1]])
+                if not on_free_side(source, int(raw.contour[element[0]]), x, y)[0]:
+                    continue
         keep.append(loop)
         closed.append(is_closed)
     found.loops[:] = keep

@@ -13,12 +13,8 @@ import numpy as np
 from wedmcam.diag import Span
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Segments
-from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Role
-
-#: Two neighbouring arcs are one when centre and radius agree this well; um.
-SAME_CIRCLE_UM = 1e-6
 
 
 @dataclass(slots=True)
@@ -151,48 +147,36 @@ def _lay_cut(course: Course, cut: Cut, index: int) -> None:
 def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int, int]:
     """Return the path as rows, and the rows at which the stop and the end of the overcut lie."""
     contour = cut.path
-    merged = _merge_arcs(contour)
     s = seg.of_rows(contour.starts, contour.ends)
-    length = s.length
-    total = float(length.sum())
-    cuts_at: list[float] = []
-    stop = total - cut.stop_um if cut.stop_um > 0 else None
-    over = cut.overcut_um if cut.overcut_um > 0 and contour.closed else None
-    if stop is not None:
-        cuts_at.append(max(stop, 0.0))
-    if over is not None:
-        cuts_at.append(min(over, total))
-    starts = merged  # first segment of each merged run
-    run_end = np.append(starts[1:], len(length))
-    ends_at = np.cumsum(length)
-    begin_at = ends_at - length
+    total = float(s.length.sum())
+    stop = max(total - cut.stop_um, 0.0) if cut.stop_um > 0 else None
+    over = min(cut.overcut_um, total) if cut.overcut_um > 0 and contour.closed else None
+    marks = sorted(m for m in (stop, over) if m is not None)
+    ends_at = np.cumsum(s.length)
+    begin_at = ends_at - s.length
     rows = Rows(Role.CONTOUR, [], [], [], [], [], [], [])
-    vx, vy = contour.vertices["x"], contour.vertices["y"]
-    first = course.vertex(vx[0], vy[0], pinned=True)
-    here = first
+    v = contour.vertices
+    vx, vy, source = v["x"], v["y"], v["source"]
+    n = len(s)
+    first = here = course.vertex(vx[0], vy[0], pinned=True)
     stop_row = over_row = 0
-    n = len(starts)
-    source = contour.vertices["source"]
-    marks = sorted(cuts_at)
-    for k, (a, b) in enumerate(zip(starts.tolist(), run_end.tolist(), strict=True)):
-        low, high = float(begin_at[a]), float(ends_at[b - 1])
+    for k in range(n):
+        low, high = float(begin_at[k]), float(ends_at[k])
         for mark in marks:
             if low + 0.5 < mark < high - 0.5:
-                px, py = _at(s, begin_at, mark)
-                there = course.vertex(px, py)
-                _append(rows, here, there, s, a, int(source[a]), base)
-                here = there
-                low = mark
-            if mark == stop and low - 0.5 <= mark <= low + 0.5 and not stop_row:
-                stop_row = len(rows.v0)
-            if mark == over and low - 0.5 <= mark <= low + 0.5 and not over_row:
-                over_row = len(rows.v0)
-        if k == n - 1 and contour.closed:
+                there = course.vertex(*_at(s, begin_at, mark))
+                _append(rows, here, there, s, k, int(source[k]), base)
+                here, low = there, mark
+            if abs(low - mark) <= 0.5:
+                if mark == stop and not stop_row:
+                    stop_row = len(rows.v0)
+                if mark == over and not over_row:
+                    over_row = len(rows.v0)
+        if contour.closed and k == n - 1:
             there = first
         else:
-            end = b if contour.closed else min(b, len(vx) - 1)
-            there = course.vertex(vx[end], vy[end], pinned=not contour.closed and k == n - 1)
-        _append(rows, here, there, s, a, int(source[a]), base)
+            there = course.vertex(vx[k + 1], vy[k + 1], pinned=k == n - 1)
+        _append(rows, here, there, s, k, int(source[k]), base)
         here = there
     if stop is None or not stop_row:
         stop_row = len(rows.v0)
@@ -215,28 +199,3 @@ def _at(s: Segments, begin_at: Floats, mark: float) -> tuple[float, float]:
     k = int(np.clip(np.searchsorted(begin_at, mark, side="right") - 1, 0, len(begin_at) - 1))
     x, y = seg.points_at(s.take(np.array([k])), np.array([mark - begin_at[k]]))
     return float(x[0]), float(y[0])
-
-
-def _merge_arcs(contour: Contour) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Return the first segment of each run of segments that lie on one circle, in order.
-
-    A circle drawn as two half circles is one block again. The first vertex stays.
-    """
-    v = contour.starts
-    s = seg.of_rows(contour.starts, contour.ends)
-    same = (
-        (v["turn"][1:] != 0)
-        & (v["turn"][1:] == v["turn"][:-1])
-        & (np.abs(s.cx[1:] - s.cx[:-1]) < SAME_CIRCLE_UM)
-        & (np.abs(s.cy[1:] - s.cy[:-1]) < SAME_CIRCLE_UM)
-        & (np.abs(s.radius[1:] - s.radius[:-1]) < SAME_CIRCLE_UM)
-    )
-    starts = np.flatnonzero(np.append(True, ~same))
-    # Merging must not wrap more than a turn.
-    if same.any():
-        run_end = np.append(starts[1:], len(v))
-        total = np.add.reduceat(s.sweep, starts)
-        if (total > seg.TAU + 1e-9).any():
-            return np.arange(len(v))
-        del run_end
-    return starts

@@ -43,7 +43,7 @@ class Budget:
     """
 
     gouge: float = 1.59
-    other: float = 1.95
+    other: float = 1.6
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,75 @@
+"""Programs of the samples, byte for byte. They change on purpose or not at all.
+
+``pytest tests/golden --update-golden`` writes them anew; the difference is a change of what machines
+will cut, and belongs into CHANGELOG.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from wedmcam import api
+
+HERE = Path(__file__).parent
+SAMPLES = HERE.parents[1] / "samples"
+CASES = [
+    (drawing, ending, options)
+    for drawing, options in {
+        "key-punch": {"offset": 0.1},
+        "stator-36": {"offset": 0.1},
+        "gear-24": {"offset": 0.1},
+        "plate": {"offset": 0.1},
+        "bracket-inch": {"offset": 0.1},
+    }.items()
+    for ending in (".3b", ".zd")
+] + [
+    ("key-punch", ".die.3b", {"offset": 0.1, "side": "die", "corner": 0.15}),
+    ("gear-24", ".textbook.3b", {"offset": 0.1, "count": "textbook"}),
+]
+PROFILES = {"plate.columns.3b": "b3-columns", "plate.numbered.3b": "b3-numbered"}
+
+
+def compiled(drawing, ending, options, profile=None):
+    data = (SAMPLES / f"{drawing}.dxf").read_bytes()
+    to = "compact" if ending.endswith(".zd") else "3b"
+    made = api.compile(data, to=to, name=drawing, profile=profile, **options)
+    assert made.ok, [d.message for d in made.findings]
+    return made
+
+
+@pytest.mark.parametrize(("drawing", "ending", "options"), CASES)
+def test_golden(drawing, ending, options, update_golden):
+    made = compiled(drawing, ending, options)
+    judge(HERE / f"{drawing}{ending}", made.data, update_golden)
+
+
+@pytest.mark.parametrize("name", sorted(PROFILES))
+def test_golden_layouts(name, update_golden):
+    made = compiled("plate", ".3b", {"offset": 0.1}, PROFILES[name])
+    judge(HERE / name, made.data, update_golden)
+
+
+def judge(path, data, update):
+    if update:
+        path.write_bytes(data)
+    assert path.is_file(), f"{path.name} is missing: run with --update-golden and look at it"
+    assert path.read_bytes() == data, f"{path.name} differs"
+
+
+@pytest.mark.parametrize(("drawing", "ending", "options"), CASES)
+def test_figures_of_the_issue(drawing, ending, options):
+    v = compiled(drawing, ending, options).verdict
+    assert v.max_deviation_um <= 2.0
+    assert v.gouge_um <= 1.6
+    assert v.closure_um == 0
+
+
+def test_all_formats_describe_the_same_steps():
+    """One lowering serves every format: the same ends of the same blocks."""
+    one = compiled("stator-36", ".3b", {"offset": 0.1})
+    two = compiled("stator-36", ".zd", {"offset": 0.1})
+    ends_one = api.positions(one.program, one.machine)[1]
+    ends_two = api.positions(two.program, two.machine)[1]
+    drop = one.program.blocks["kind"] <= 2
+    drop_two = two.program.blocks["kind"] <= 2
+    assert (ends_one[drop] == ends_two[drop_two]).all()

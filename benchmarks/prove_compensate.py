@@ -33,7 +33,7 @@ def offset(contour, distance, outward):
     """Return the paths and whether they could be resolved, offset outward or inward."""
     ccw = signed_area(contour) > 0
     result, problems = compensate([contour], [-distance if outward == ccw else distance])
-    return [p.path for p in result.paths], not problems
+    return [p.path for p in (*result.paths, *result.pockets)], not problems
 
 
 def figures(paths):
@@ -60,7 +60,9 @@ def differences(contour, distance, outward, paths, seed):
             continue
         loops2, area2, length2 = figures(again)
         if loops2 != loops or abs(area2 - area) > 0.02 * length + 1 or abs(length2 - length) > 1:
-            found.append(f"{name}: {loops2} {area2:.3f} {length2:.3f}, {loops} {area:.3f} {length:.3f}")
+            found.append(
+                f"{name}: {loops2} {area2:.3f} {length2:.3f}, {loops} {area:.3f} {length:.3f}"
+            )
     return found
 
 

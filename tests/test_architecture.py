@@ -67,7 +67,7 @@ def test_third_party(layer, library):
 
 
 def test_the_judge_shares_no_geometry():
-    ours = TABLE["verify"][0]
+    ours = TABLE["judge"][0]
     assert not ours & {"geom", "transforms", "backends", "arithmetic", "options"}
 
 

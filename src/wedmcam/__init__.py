@@ -36,7 +36,7 @@ __all__ = [
     "verify",
 ]
 
-_API = {"Compilation", "Inspection", "Proof", "compile", "inspect", "plot", "read_program"}
+_API = {name for name in __all__ if name not in ("Options", "WrongUse")}
 
 
 def __getattr__(name: str) -> Any:

@@ -19,7 +19,7 @@ from wedmcam.options import Options, WrongUse
 from wedmcam.pipeline import Drawn, Refused, Run
 
 if TYPE_CHECKING:
-    from wedmcam.verify.verdict import Verdict
+    from wedmcam.judge.verdict import Verdict
 
 Source = str | Path | bytes
 
@@ -189,7 +189,7 @@ def _summary(
     """Return the certificate, or what is known of it when there is no verdict."""
     units = drawn.sketch.info.units if drawn else None
     if verdict is None:
-        from wedmcam.verify.certificate import finding_data, fingerprint
+        from wedmcam.judge.certificate import finding_data, fingerprint
 
         return {
             "input": name,
@@ -209,7 +209,7 @@ def _summary(
             "ok": False,
             "sha256": {"input": fingerprint(data)},
         }
-    from wedmcam.verify.certificate import certificate
+    from wedmcam.judge.certificate import certificate
 
     result = certificate(
         verdict,
@@ -363,7 +363,7 @@ def _reader_machine(
 
 
 def _same(certificate: dict[str, Any], key: str, data: bytes) -> bool:
-    from wedmcam.verify.certificate import fingerprint
+    from wedmcam.judge.certificate import fingerprint
 
     return bool(certificate.get("sha256", {}).get(key) == fingerprint(data))
 
@@ -400,8 +400,8 @@ def _judged(
     """Judge at the stated origin; else at the plan's; else where the program fits best."""
     from dataclasses import replace
 
-    from wedmcam.verify.fit import fit
-    from wedmcam.verify.judge import judge
+    from wedmcam.judge.fit import fit
+    from wedmcam.judge.judge import judge
 
     table = LineTable(machine.line_table)
     textbook = pipeline.count_of(machine, options) == "textbook"

@@ -22,7 +22,7 @@ from wedmcam.options import Options
 if TYPE_CHECKING:
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.nest import Nesting
-    from wedmcam.verify.verdict import Verdict
+    from wedmcam.judge.verdict import Verdict
 
 T = TypeVar("T")
 
@@ -151,7 +151,7 @@ def prove(
     from dataclasses import replace as changed
 
     from wedmcam.frontends import decoder
-    from wedmcam.verify.judge import judge
+    from wedmcam.judge.judge import judge
 
     decoded, found = decoder(machine.format)(data, machine, file)
     # Notes of the reader say how it understood a foreign file; and what the writer said of its own

@@ -24,7 +24,9 @@ from wedmcam.diag import Severity
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.ir.program import Axis, Kind, LineTable, Program
-from wedmcam.verify import certificate, fit, judge
+from wedmcam.judge.certificate import certificate
+from wedmcam.judge.fit import fit
+from wedmcam.judge.judge import judge
 
 T = LineTable.ROTATE
 
@@ -34,7 +36,7 @@ def codes(findings):
 
 
 @pytest.mark.parametrize(
-    "plan", [part_with_hole(), skew_plan(), square_plan(), hole_plan(Side.DIE)], ids=str
+    "plan", [part_with_hole(), skew_plan(), square_plan(), hole_plan(Side.DIE)], ids=["hole", "skew", "square", "die"]
 )
 def test_origin_is_fitted_to_the_micron(plan):
     program = lower(plan)

@@ -15,7 +15,8 @@ from judge_cases import (
 from wedmcam.controller import block_steps
 from wedmcam.ir.plan import Side
 from wedmcam.ir.program import Kind, LineTable
-from wedmcam.verify import judge, swept_gouge
+from wedmcam.judge.judge import judge
+from wedmcam.judge.witness import swept_gouge
 
 
 def stepped(program, table):

@@ -27,7 +27,8 @@ from judge_cases import (
 from wedmcam.diag import Severity, TextSpan
 from wedmcam.ir.plan import Cut, Plan, Side
 from wedmcam.ir.program import Axis, Kind, LineTable, Program
-from wedmcam.verify import judge, same_steps
+from wedmcam.judge.judge import judge
+from wedmcam.judge.walk import same_steps
 
 TABLES = list(LineTable)
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wedmcam.ir.contour import Contour, vertices
-from wedmcam.verify import segments as sg
+from wedmcam.judge import segments as sg
 
 finite = st.integers(-2000, 2000).map(float)
 
@@ -174,7 +174,7 @@ def test_parity_with_arcs():
     inside = sg.inside_parity(s, x, y)
     wanted = np.array(list(points.values()))
     polygon = shapely.Polygon()
-    from wedmcam.verify.witness import ring as chords_of
+    from wedmcam.judge.witness import ring as chords_of
 
     for c in (slot, ring, bite):
         polygon = polygon.symmetric_difference(shapely.Polygon(chords_of(c)))

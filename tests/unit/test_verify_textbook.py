@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wedmcam.ir.program import BLOCK, Axis, Kind
-from wedmcam.verify import recomputed_ends
+from wedmcam.judge.textbook import recomputed_ends
 
 
 def ends(*rows):

@@ -13,7 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO, flag_underflow, round_integer
+from wedmcam.decimal8.form import (
+    DIGITS,
+    EXPONENT_MAX,
+    HIGH,
+    LOW,
+    ZERO,
+    flag_underflow,
+    round_integer,
+)
 from wedmcam.decimal8.kernel import PIECE, Exponents, Floats, Mantissas, Parts, in_range
 
 #: 10^k for k from -TEN_MAX to TEN_MAX as the nearest float64, and what that leaves.
@@ -152,7 +160,10 @@ def to_floats(m: Mantissas, e: Exponents) -> Floats:
 def _pairs() -> tuple[Floats, Floats]:
     """Return 10^k for k from -120 to 120 as sums of two float64."""
     high = _TEN[TEN_MAX - 120 : TEN_MAX + 121]
-    low = [float(Fraction(10) ** k - Fraction(h)) for k, h in zip(range(-120, 121), high.tolist(), strict=True)]
+    low = [
+        float(Fraction(10) ** k - Fraction(h))
+        for k, h in zip(range(-120, 121), high.tolist(), strict=True)
+    ]
     return high, np.array(low)
 
 
@@ -184,7 +195,7 @@ def to_bcd(m: Mantissas, e: Exponents) -> NDArray[np.uint8]:
     return out
 
 
-def _packed(two: NDArray[Any]) -> NDArray[Any]:
+def _packed(two: NDArray[Any]) -> Any:
     return 16 * (two // 10) + two % 10
 
 

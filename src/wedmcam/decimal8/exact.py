@@ -4,8 +4,8 @@ About one result in ten million of a sine lies so near to the middle between two
 that its float64 value does not say which is nearer. Those, and only those, are computed here, one
 by one, with mpmath, at growing precision until the digits decide. A value that lies in the middle
 exactly would never be decided: for sines and the like of 8-digit numbers there is none (they are
-irrational but for multiples of 30 and 45 degrees, which are no ties), and for powers and hypotenuses it is
-recognised in integers.
+irrational but for multiples of 30 and 45 degrees, which are no ties), and for powers and
+hypotenuses it is recognised in integers.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 from wedmcam.decimal8.form import DIGITS, HIGH, LOW, ZERO, round_integer
@@ -23,16 +24,14 @@ Evaluate = Callable[[Any], Any]
 #: Working precisions, in digits. The last is beyond what two 8-digit numbers 199 powers of ten
 #: apart can need; reaching it means a tie that nobody thought of.
 PRECISIONS = (30, 60, 120, 240, 480, 960)
-#: Digits that cancellation may cost, apart from those of a large exponent: an 8-digit number comes no
-#: nearer to a multiple of pi/2 than about 1e-11 of its last digit.
+#: Digits that cancellation may cost, apart from those of a large exponent: an 8-digit number comes
+#: no nearer to a multiple of pi/2 than about 1e-11 of its last digit.
 GUARD = 40
 
 
 @cache
 def _context() -> Any:
-    import mpmath
-
-    return mpmath.mp.clone()
+    return import_module("mpmath").mp.clone()  # slow to load and rarely needed
 
 
 def number(ctx: Any, m: int, e: int) -> Any:
@@ -123,4 +122,6 @@ def power(xm: int, xe: int, ym: int, ye: int) -> tuple[int, int]:
 
 def _equal(a: int, ka: int, b: int, kb: int) -> bool:
     low = min(ka, kb)
-    return a * 10 ** (ka - low) == b * 10 ** (kb - low)
+    left: int = a * 10 ** (ka - low)
+    right: int = b * 10 ** (kb - low)
+    return left == right

@@ -1,8 +1,8 @@
 """Sines, their inverses, powers and hypotenuses on arrays, each correctly rounded to 8 digits.
 
 Every function is computed in float64 first, with a bound of its error, and rounded. Where the
-error reaches over the middle between two 8-digit numbers, a finer float64 formula is asked if there is one, and
-what is still open (about one in ten million) goes to `exact`.
+error reaches over the middle between two 8-digit numbers, a finer float64 formula is asked if there
+is one, and what is still open (about one in ten million) goes to `exact`.
 
 The bounds assume that numpy's float64 functions are good to `LIBRARY`: 4 units in the last place,
 which is what numpy promises of its vectorised functions; most are better than 1.
@@ -183,9 +183,7 @@ def _tan_fine(m: Mantissas, e: Exponents) -> Approximation:
 
 def _trigonometric(name: str) -> Callable[[int, int], tuple[int, int]]:
     def decided(m: int, e: int) -> tuple[int, int]:
-        return exact.decide(
-            lambda ctx: getattr(ctx, name)(exact.number(ctx, m, e)), 2 * max(e, 0)
-        )
+        return exact.decide(lambda ctx: getattr(ctx, name)(exact.number(ctx, m, e)), 2 * max(e, 0))
 
     return decided
 

@@ -95,7 +95,9 @@ def in_range(m: Mantissas, e: NDArray[Any], start: int = 0) -> None:
         e[zero | under] = ZERO
 
 
-def nearest(q: Floats, m: Mantissas, spare: Floats, exact: Callable[[NDArray[np.intp]], Any]) -> None:
+def nearest(
+    q: Floats, m: Mantissas, spare: Floats, exact: Callable[[NDArray[np.intp]], Any]
+) -> None:
     """Round quotients to integers; those next to a tie are left to ``exact(indices)``.
 
     Args:
@@ -115,7 +117,8 @@ def nearest(q: Floats, m: Mantissas, spare: Floats, exact: Callable[[NDArray[np.
 def _half_away(dividend: NDArray[np.int64], divisor: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return dividend / divisor > 0 in integers, ties away from zero."""
     size = np.abs(dividend)
-    return np.sign(dividend) * ((size + divisor // 2) // divisor)
+    quotient: NDArray[np.int64] = np.sign(dividend) * ((size + divisor // 2) // divisor)
+    return quotient
 
 
 def _pick(a: NDArray[Any], i: NDArray[np.intp]) -> NDArray[np.int64]:
@@ -227,9 +230,9 @@ def _add(
     """Add in units of a tenth of the last digit of the operand with the larger exponent.
 
     There S = 10 hi + 10 lo / 10^d, one rounding in the quotient and one in the sum. It is rounded
-    to 8 digits at 100, 10 or 1 of these units, where a tie is an integer or a half. If S is a tie, it is
-    computed exactly. If not, it differs from one by at least 10^(1-d); against that the spacing
-    of float64 is small enough for every d that can come near to a tie there (d <= 8 at tens,
+    to 8 digits at 100, 10 or 1 of these units, where a tie is an integer or a half. If S is a tie,
+    it is computed exactly. If not, it differs from one by at least 10^(1-d); against that the
+    spacing of float64 is small enough for every d that can come near to a tie there (d <= 8 at tens,
     with |S| < 1.074e9 and spacing 1.2e-7; d = 9 only where |S| < 1e8, spacing 1.5e-8; from 10 on
     lo is below 0.1 units and decides nothing). So S is on its side of every tie, and the division
     by 10 or 100, rounded correctly, leaves it there. Below 1e7 there was cancellation, which
@@ -250,9 +253,7 @@ def _add(
 
     np.abs(s, out=t)
     cancelled = np.less(t, 1e7)
-    shift = np.add(
-        np.greater_equal(t, 1e8).view(np.int8), np.greater_equal(t, 1e9).view(np.int8)
-    )
+    shift = np.add(np.greater_equal(t, 1e8).view(np.int8), np.greater_equal(t, 1e9).view(np.int8))
     if cancelled.any():
         few = np.flatnonzero(cancelled)
         exact = s[few].astype(np.int64)

@@ -140,34 +140,34 @@ class Decimal8(Methods):
 
     # --- arithmetic -------------------------------------------------------------------------
 
-    def __add__(self, other: Any) -> Decimal8:
+    def __add__(self, other: Any) -> Any:
         return _binary(self, other, _add)
 
-    def __radd__(self, other: Any) -> Decimal8:
+    def __radd__(self, other: Any) -> Any:
         return _binary(other, self, _add)
 
-    def __sub__(self, other: Any) -> Decimal8:
+    def __sub__(self, other: Any) -> Any:
         return _binary(self, other, _subtract)
 
-    def __rsub__(self, other: Any) -> Decimal8:
+    def __rsub__(self, other: Any) -> Any:
         return _binary(other, self, _subtract)
 
-    def __mul__(self, other: Any) -> Decimal8:
+    def __mul__(self, other: Any) -> Any:
         return _binary(self, other, _multiply)
 
-    def __rmul__(self, other: Any) -> Decimal8:
+    def __rmul__(self, other: Any) -> Any:
         return _binary(other, self, _multiply)
 
-    def __truediv__(self, other: Any) -> Decimal8:
+    def __truediv__(self, other: Any) -> Any:
         return _binary(self, other, _divide)
 
-    def __rtruediv__(self, other: Any) -> Decimal8:
+    def __rtruediv__(self, other: Any) -> Any:
         return _binary(other, self, _divide)
 
-    def __pow__(self, other: Any) -> Decimal8:
+    def __pow__(self, other: Any) -> Any:
         return _binary(self, other, _power)
 
-    def __rpow__(self, other: Any) -> Decimal8:
+    def __rpow__(self, other: Any) -> Any:
         return _binary(other, self, _power)
 
     def __neg__(self) -> Decimal8:
@@ -218,19 +218,19 @@ class Decimal8(Methods):
         exact = _comparable(other)
         return NotImplemented if exact is None else self.decimal == exact
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: Any) -> Any:
         return self._ordered(other, lambda a, b: a < b)
 
-    def __le__(self, other: Any) -> bool:
+    def __le__(self, other: Any) -> Any:
         return self._ordered(other, lambda a, b: a <= b)
 
-    def __gt__(self, other: Any) -> bool:
+    def __gt__(self, other: Any) -> Any:
         return self._ordered(other, lambda a, b: a > b)
 
-    def __ge__(self, other: Any) -> bool:
+    def __ge__(self, other: Any) -> Any:
         return self._ordered(other, lambda a, b: a >= b)
 
-    def _ordered(self, other: Any, holds: Callable[[Any, Any], bool]) -> bool:
+    def _ordered(self, other: Any, holds: Callable[[Any, Any], bool]) -> Any:
         exact = _comparable(other)
         if exact is None:
             return NotImplemented
@@ -305,11 +305,10 @@ def _comparable(other: Any) -> Decimal | float | int | None:
     return None
 
 
-def _binary(a: Any, b: Any, operation: Any) -> Decimal8:
+def _binary(a: Any, b: Any, operation: Any) -> Any:
     if _comparable(a) is None or _comparable(b) is None:
         return NotImplemented
-    result: Decimal8 = operation(*parts_of(a), *parts_of(b))
-    return result
+    return operation(*parts_of(a), *parts_of(b))
 
 
 def _add(am: int, ae: int, bm: int, be: int) -> Decimal8:
@@ -338,4 +337,3 @@ def _divide(am: int, ae: int, bm: int, be: int) -> Decimal8:
 
 def _power(am: int, ae: int, bm: int, be: int) -> Decimal8:
     return Decimal8._of(am, ae)._call("power", Decimal8._of(bm, be))
-

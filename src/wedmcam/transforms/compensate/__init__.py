@@ -15,19 +15,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, error
+from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Ints
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.compensate.coordinates import node_points
-from wedmcam.transforms.compensate.interference import Interference, find_interference
+from wedmcam.transforms.compensate.interference import (
+    NEGLIGIBLE_UM,
+    Interference,
+    find_interference,
+)
 from wedmcam.transforms.compensate.raw import SPECK_UM, Raw, Source, gather, raw_offset
 from wedmcam.transforms.compensate.resolve import Limits, Loops, resolve
 from wedmcam.transforms.compensate.untangle import untangled
 
 __all__ = ["Compensated", "Interference", "WirePath", "compensate", "largest_offset"]
 
+#: The first offset that the search for the largest one tries; um.
+STEP_UM = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,11 +92,22 @@ class WirePath:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Compensated:
-    """The wire paths of some outlines, and where the wire does not fit."""
+    """The wire paths of some outlines, and where the wire does not fit.
+
+    Attributes:
+        paths: what is cut. A hole that falls into several rooms has a path for each.
+        interference: where the wire does not fit, in order of the outlines.
+        inner_corners: how many sharp inner corners keep the radius of the wire.
+        pockets: closed paths that run against their outline: beside the outside of a punch, a
+            pocket behind a mouth too narrow for the wire. What they enclose is scrap that leaves
+            with the scrap around, and no wire gets there from outside; so nobody cuts them, and
+            the segments that only they reach count as left out.
+    """
 
     paths: tuple[WirePath, ...]
     interference: tuple[Interference, ...]
     inner_corners: int
+    pockets: tuple[WirePath, ...] = ()
 
 
 def compensate(
@@ -103,7 +122,7 @@ def compensate(
     Args:
         outlines: contours, um; closed ones, or open ones with squared ends.
         shifts: for each outline how far the wire runs to the left of it (negative: right), um.
-            Outlines of one call keep the wire away from each other too.
+            Outlines of one call keep the wire away from each other too. 0 follows the outline.
         arithmetic: in which the vertices are computed.
         sharp: prolong the neighbours of an outer corner to their crossing, up to four offsets.
 
@@ -112,12 +131,15 @@ def compensate(
         ``offset-unresolved`` when the crossings did not form loops at any tolerance: nothing may be
         cut then.
 
-    Error bound: float64 rounding (below 1e-6 um at 1 m), but 0.02 um sideways where neighbours
-    turn by so little that they meet in the middle.
+    Error bound: float64 rounding (below 1e-6 um at 1 m); up to 0.002 um sideways where neighbours
+    turn by so little that they meet in the middle, and up to 0.01 um where the drawing crosses
+    itself within a micron or more things than two meet in one point.
 
     Source: the transition arcs are the ZD-065 paper's; shifting, cutting and judging by distance
     follows Liu, Yong, Zheng and Sun, Computers in Industry 58 (2007), stitching by node is ours.
     """
+    if not outlines:
+        return Compensated((), (), 0), []
     for attempt in ATTEMPTS:
         nudged = [s + float(np.sign(s)) * attempt.nudge_um for s in shifts]
         source = gather(outlines, nudged, attempt.speck_um)
@@ -128,80 +150,121 @@ def compensate(
         if not len(found.lost):
             break
     else:
-        at = found.lost_at + np.array(source.origin)
-        where = tuple((float(x) / 1000, float(y) / 1000) for x, y in at[:3])
-        number = int(raw.contour[found.element[found.lost[0]]])
-        row = int(source.row[raw.source[found.element[found.lost[0]]]])
-        return Compensated((), (), 0), [
-            error(
-                "offset-unresolved",
-                f"the offset of this contour could not be resolved near "
-                f"({where[0][0]:.3f}, {where[0][1]:.3f}) mm",
-                outlines[number].source_of(row),
-                points_mm=where,
-                hint="this is a weakness of the compiler: please report the drawing; another "
-                "offset or a cleaner drawing may help meanwhile",
-            )
-        ]
-    corners = int(np.sum(~raw.joined & (raw.following >= 0)))
-    merged, paths = _paths(outlines, arithmetic, source, raw, found)
-    interference = find_interference(outlines, source, raw, found, merged)
-    return Compensated(tuple(paths), interference, corners), []
+        return Compensated((), (), 0), [_unresolved(outlines, source, raw, found)]
+    runs = _runs(found)
+    every = _paths(outlines, arithmetic, source, raw, found, runs)
+    backwards = _backwards(source, raw, found)
+    kept = np.flatnonzero(~backwards).tolist()
+    interference = find_interference(
+        outlines, source, raw, found, [runs[k] for k in kept], [found.closed[k] for k in kept]
+    )
+    paths = tuple(every[k] for k in kept)
+    pockets = tuple(every[k] for k in np.flatnonzero(backwards).tolist())
+    return Compensated(paths, interference, _inner_corners(source, raw), pockets), []
+
+
+def _unresolved(outlines: Sequence[Contour], source: Source, raw: Raw, found: Loops) -> Diagnostic:
+    at = found.lost_at + np.array(source.origin)
+    where = tuple((float(x) / 1000, float(y) / 1000) for x, y in at[:3])
+    element = int(found.element[found.lost[0]])
+    return error(
+        "offset-unresolved",
+        f"the offset of this contour could not be resolved near "
+        f"({where[0][0]:.3f}, {where[0][1]:.3f}) mm",
+        outlines[int(raw.contour[element])].source_of(int(source.row[raw.source[element]])),
+        points_mm=where,
+        hint="this is a weakness of the compiler: please report the drawing; another "
+        "offset or a cleaner drawing may help meanwhile",
+    )
+
+
+def _inner_corners(source: Source, raw: Raw) -> int:
+    """Return how many neighbours in the drawing overlap once they are shifted."""
+    e = np.flatnonzero(~raw.joined & (raw.following >= 0))
+    f = raw.following[e]
+    return int(np.sum(source.following[raw.source[e]] == raw.source[f]))
+
+
+def _backwards(source: Source, raw: Raw, found: Loops) -> NDArray[np.bool_]:
+    """Return which loops run against the outline that they belong to."""
+    s = source.segments
+    lune = s.radius**2 * (s.sweep - np.sin(s.sweep)) * s.turn
+    area = np.bincount(source.contour, s.x0 * s.y1 - s.x1 * s.y0 + lune)
+    first = np.array([int(raw.contour[found.element[k[0]]]) for k in found.loops], np.int64)
+    return np.array(found.areas) * area[first] < 0
+
+
+def _runs(found: Loops) -> list[Ints]:
+    """Return the loops without pieces that only continue the one before on the same element."""
+    if found.whole or not found.loops:
+        return found.loops
+    k = np.concatenate(found.loops)
+    size = np.array([len(loop) for loop in found.loops], np.int64)
+    begin = np.cumsum(size) - size
+    closed = np.array(found.closed, bool)
+    before = np.arange(-1, len(k) - 1)
+    before[begin] = begin + size - 1
+    element = found.element[k]
+    through = element == element[before]
+    through &= np.abs(found.at0[k] - found.at1[k[before]]) < 1e-9
+    through[begin[~closed]] = False
+    # A loop of one element keeps its first vertex.
+    through[begin[np.add.reduceat(~through, begin) == 0]] = False
+    count = np.add.reduceat(~through, begin)
+    return np.split(k[~through], np.cumsum(count)[:-1])
 
 
 def _paths(
-    outlines: Sequence[Contour], ar: Arithmetic, source: Source, raw: Raw, found: Loops
-) -> tuple[list[Ints], list[WirePath]]:
-    """Return the loops as contours, pieces of one element merged where a loop runs through."""
-    runs: list[Ints] = []
-    for loop, closed in zip(found.loops, found.closed, strict=True):
-        k = np.array(loop)
-        element = found.element[k]
-        # A node in the middle of one element is no vertex.
-        through = (element == np.roll(element, 1)) & (
-            np.abs(found.at0[k] - np.roll(found.at1[k], 1)) < 1e-9
-        )
-        if not closed or through.all():
-            through[0] = False
-        runs.append(k[~through])
+    outlines: Sequence[Contour],
+    ar: Arithmetic,
+    source: Source,
+    raw: Raw,
+    found: Loops,
+    runs: list[Ints],
+) -> list[WirePath]:
+    """Return the loops as contours."""
     if not runs:
-        return runs, []
-    every = np.concatenate(
-        [
-            np.append(found.node0[k], [] if closed else found.node1[loop[-1]]).astype(np.int64)
-            for k, loop, closed in zip(runs, found.loops, found.closed, strict=True)
-        ]
-    )
-    nodes = np.unique(every)
-    x, y = node_points(ar, source, raw, found, nodes)
-    x, y = x + source.origin[0], y + source.origin[1]
-    s = source.segments
-    paths = []
-    for k, loop, closed in zip(runs, found.loops, found.closed, strict=True):
-        element = found.element[k]
-        of = raw.source[element]
-        rows = np.zeros(len(k) + (0 if closed else 1), VERTEX)
-        ids = found.node0[k] if closed else np.append(found.node0[k], found.node1[loop[-1]])
-        at = np.searchsorted(nodes, ids)
-        rows["x"], rows["y"] = x[at], y[at]
-        m = slice(0, len(k))
-        corner = raw.transition[element]
-        rows["cx"][m] = np.where(corner, s.x1[of], s.cx[of]) + source.origin[0]
-        rows["cy"][m] = np.where(corner, s.y1[of], s.cy[of]) + source.origin[1]
-        rows["turn"][m] = raw.elements.turn[element]
-        numbers = np.unique(raw.contour[element])
-        first = int(raw.contour[element[0]])
-        rows["source"] = -1
-        for number in numbers.tolist():
-            mine = np.flatnonzero(raw.contour[element] == number)
-            drawn = outlines[number].vertices["source"][source.row[of[mine]]]
-            rows["source"][mine] = drawn if number == first else -1
-        paths.append(
-            WirePath(
-                Contour(rows, closed, outlines[first].sources), first, tuple(numbers.tolist())
-            )
+        return []
+    k = np.concatenate(runs)
+    element = found.element[k]
+    node = found.node0[k]
+    x, y = found.node_x, found.node_y
+    if ar is not FLOAT64:  # float64 is what the nodes were computed in
+        used = np.concatenate([node, [found.node1[loop[-1]] for loop in found.loops]]).astype(
+            np.int64
         )
-    return runs, paths
+        used = np.unique(used)
+        x, y = x.copy(), y.copy()
+        x[used], y[used] = node_points(ar, source, raw, found, used)
+    e = raw.elements
+    of = raw.source[element]
+    rows = np.zeros(len(k), VERTEX)
+    rows["x"], rows["y"] = x[node] + source.origin[0], y[node] + source.origin[1]
+    rows["cx"], rows["cy"] = e.cx[element] + source.origin[0], e.cy[element] + source.origin[1]
+    rows["turn"] = e.turn[element]
+    number = raw.contour[element]
+    drawn = np.concatenate([c.vertices["source"] for c in outlines])
+    base = np.cumsum([0, *(len(c.vertices) for c in outlines)])
+    rows["source"] = drawn[base[number] + source.row[of]]
+    paths = []
+    begin = 0
+    for run, loop, closed in zip(runs, found.loops, found.closed, strict=True):
+        part = rows[begin : begin + len(run)]
+        mine = number[begin : begin + len(run)]
+        begin += len(run)
+        first = int(mine[0])
+        along = (first,)
+        if len(outlines) > 1 and (mine != first).any():
+            part["source"][mine != first] = -1
+            along = tuple(np.unique(mine).tolist())
+        if not closed:
+            last = np.zeros(1, VERTEX)
+            end = int(found.node1[loop[-1]])
+            last["x"], last["y"] = x[end] + source.origin[0], y[end] + source.origin[1]
+            last["source"] = -1
+            part = np.concatenate([part, last])
+        paths.append(WirePath(Contour(part, closed, outlines[first].sources), first, along))
+    return paths
 
 
 def largest_offset(
@@ -224,10 +287,23 @@ def largest_offset(
             return Interference("unresolved", (0.0, 0.0), 0, 0, (), 0.0)
         return result.interference[0] if result.interference else None
 
-    worst = trouble(limit_um)
-    if worst is None:
+    if not outlines:
         return limit_um, None
-    low, high = 0.0, limit_um
+    # No inside radius may be smaller than the offset, so few offsets above the least are tried.
+    top = min(limit_um, _least_inside_radius(outlines, signs))
+    low, high, worst = 0.0, top, None
+    step = min(top, STEP_UM)
+    while worst is None:  # small offsets cross little, so they are fast
+        worst = trouble(step)
+        if worst is None:
+            if step >= top:
+                low = top
+                break
+            low, step = step, min(top, 4.0 * step)
+        else:
+            high = step
+    if worst is None:
+        return (limit_um, None) if top >= limit_um else (top, trouble(top + 1.0))
     while high - low > 0.05:
         middle = 0.5 * (low + high)
         found = trouble(middle)
@@ -236,3 +312,16 @@ def largest_offset(
         else:
             high, worst = middle, found
     return low, worst
+
+
+def _least_inside_radius(outlines: Sequence[Contour], signs: Sequence[float]) -> float:
+    least = np.inf
+    for contour, sign in zip(outlines, signs, strict=True):
+        a = contour.starts
+        radius = np.hypot(a["x"] - a["cx"], a["y"] - a["cy"])
+        turned = a["turn"] * sign > 0
+        # Only what is long enough to count when it is left out.
+        s = seg.of_rows(a, contour.ends)
+        inside = radius[turned & (s.length > NEGLIGIBLE_UM)]
+        least = min(least, float(inside.min(initial=np.inf)))
+    return least

@@ -4,6 +4,9 @@ A sharp inner corner is no interference: the shifted neighbours are cut at their
 corner keeps the radius of the wire. It is interference when the path leaves out a drawn segment
 (a fillet or a step smaller than the wire, everything beyond a neck), when a contour falls apart
 into several paths, or when it has none.
+
+The path jumps over what it leaves out. A neck is jumped over twice, once from each side, so jumps
+that share a crossing or a left-out stretch of the outline are one finding.
 """
 
 from __future__ import annotations
@@ -12,14 +15,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wedmcam.geom.segments import Ints
+from wedmcam.geom.segments import Floats, Ints
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms.compensate.raw import Raw, Source
 from wedmcam.transforms.compensate.resolve import Loops
 
+Bools = NDArray[np.bool_]
+
 #: Left-out segments up to this length are no loss: half the deviation budget each way; um.
 NEGLIGIBLE_UM = 2.0
+#: A shifted radius up to this is a corner: half a step of the machine; um.
+CORNER_UM = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,108 +52,192 @@ class Interference:
     size: float
 
 
-def find_interference(
-    outlines: Sequence[Contour], source: Source, raw: Raw, found: Loops, runs: list[Ints]
-) -> tuple[Interference, ...]:
-    """Return the places where the path leaves out what was drawn, in order of the outlines."""
-    result: list[Interference] = []
-    reached = np.zeros(len(source.contour), bool)
-    for k in runs:
-        element = found.element[k]
+class _Reach:
+    """Which drawn segments the path reaches, and stretches of those that it does not."""
+
+    def __init__(self, source: Source, raw: Raw, element: Ints) -> None:
+        s, n = source.segments, len(source.contour)
+        self.source = source
+        self.offset = np.abs(source.shift)
+        self.inside = (s.turn * source.shift > 0) & (s.radius < self.offset)
+        reached = np.zeros(n, bool)
         reached[raw.source[element[~raw.transition[element]]]] = True
-    _forgive_points(raw, source, reached)
-    paths_of: dict[int, int] = {}
-    for k, closed in zip(runs, found.closed, strict=True):
-        element = found.element[k]
-        numbers = np.unique(raw.contour[element])
-        for number in numbers.tolist():
-            paths_of[number] = paths_of.get(number, 0) + 1
-        nxt = np.roll(element, -1) if closed else np.append(element[1:], -1)
-        jump = np.flatnonzero((nxt >= 0) & (raw.following[element] != nxt) & (element != nxt))
-        for m in jump.tolist():
-            finding = _skipped(source, raw, found, reached, k, element, nxt, m)
-            if finding is not None:
-                result.append(finding)
-    for number in range(len(outlines)):
-        if number not in paths_of:
-            result.append(_vanished(source, number))
-    covered = {(i.outline, r) for i in result for r in i.rows}
-    result += _unreported(source, raw, reached, covered, paths_of)
-    for number, count in paths_of.items():
-        if count > 1 and not any(i.outline == number for i in result):
-            rows = np.flatnonzero(source.contour == number)
-            result.append(_passage(source, rows[:1]))
-    return tuple(sorted(result, key=lambda i: (i.outline, i.row, i.kind, i.at)))
+        self.reached = reached
+        lost = ~reached & (s.length > NEGLIGIBLE_UM)
+        v = raw.vanished
+        radius = np.abs(s.radius[v] - source.shift[v] * s.turn[v])
+        chord = 2 * radius * np.sin(np.minimum(s.sweep[v], np.pi) / 2)
+        lost[v[(radius <= CORNER_UM) | (chord <= CORNER_UM)]] = False
+        #: Left out, and not negligibly.
+        self.lost = lost
+        #: First row of each contour and how many there are, for walks round it.
+        self.first = np.searchsorted(source.contour, source.contour)
+        self.count = np.searchsorted(source.contour, source.contour, "right") - self.first
+        self.before = np.full(n, -1)
+        has = source.following >= 0
+        self.before[source.following[has]] = np.flatnonzero(has)
+        self.stretch = self._stretches()
+        passed = lost | (reached & (s.length > NEGLIGIBLE_UM))
+        self._passed = np.append(0, np.cumsum(passed))
+        self._seen = np.append(0, np.cumsum(passed & reached))
+
+    def _stretches(self) -> Ints:
+        """Return the number of the left-out stretch of each segment, -1 where it is reached."""
+        n = len(self.reached)
+        begins = ~self.reached & ((self.before < 0) | self.reached[self.before])
+        number = np.cumsum(begins) - 1
+        stretch = np.where(self.reached, -1, number)
+        # Segments left out at the beginning of a closed contour continue those at its end.
+        for k in np.flatnonzero((self.first == np.arange(n)) & ~self.reached & ~begins).tolist():
+            last = k + int(self.count[k]) - 1
+            end = k
+            while end <= last and not self.reached[end]:
+                end += 1
+            stretch[k:end] = stretch[last] if end <= last else n + k
+        return stretch
+
+    def between(self, a: Ints, b: Ints, all_round: Bools) -> tuple[Ints, Ints]:
+        """Return how many segments strictly between a and b matter, and how many are reached.
+
+        all_round: where a == b means once round the contour.
+        """
+        first, count = self.first[a], self.count[a]
+        steps = np.mod(b - a - 1, count)
+        steps = np.where((a == b) & ~all_round, 0, steps)
+        start = first + np.mod(a - first + 1, count)
+        end = start + steps
+        over = np.maximum(end - first - count, 0)
+        end = np.minimum(end, first + count)
+        result = []
+        for total in (self._passed, self._seen):
+            result.append(total[end] - total[start] + total[first + over] - total[first])
+        return result[0], result[1]
 
 
-def _forgive_points(raw: Raw, source: Source, reached: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> None:
-    """Count as reached: arcs that shrank to a point of the path, and negligible segments."""
-    reached |= source.segments.length <= NEGLIGIBLE_UM
-    v = raw.vanished
-    if len(v):
-        s = source.segments
-        radius = s.radius[v] - source.shift[v] * s.turn[v]
-        chord = 2 * np.abs(radius) * np.sin(np.minimum(s.sweep[v], np.pi) / 2)
-        # Half a micron of radius is half a step: the corner is exact on the machine's grid.
-        reached[v[(np.abs(radius) <= 0.5) | (chord <= 0.5)]] = True
-
-
-def _between(raw: Raw, source: Source, e: int, f: int) -> Ints:
-    """Return the drawn segments strictly between those of elements e and f, along the outline."""
-    if raw.contour[e] != raw.contour[f]:
-        return np.empty(0, np.int64)
-    a, b = int(raw.source[e]), int(raw.source[f])
-    if raw.transition[f] and not raw.transition[e] and a == b:
-        return np.empty(0, np.int64)
-    rows = []
-    here = int(source.following[a])
-    limit = len(source.contour)
-    while here >= 0 and here != b and limit:
-        rows.append(here)
-        here = int(source.following[here])
-        limit -= 1
-    return np.array(rows, np.int64)
-
-
-def _skipped(
+def find_interference(
+    outlines: Sequence[Contour],
     source: Source,
     raw: Raw,
     found: Loops,
-    reached: np.ndarray[tuple[int], np.dtype[np.bool_]],
-    k: Ints,
-    element: Ints,
-    nxt: Ints,
-    m: int,
-) -> Interference | None:
-    """Return the interference at the jump after piece m of a path, None if nothing is lost."""
-    e, f = int(element[m]), int(nxt[m])
-    node = int(found.node0[k[(m + 1) % len(k)]])
-    at = (
-        float(found.node_x[node] + source.origin[0]),
-        float(found.node_y[node] + source.origin[1]),
+    runs: list[Ints],
+    closed: list[bool],
+) -> tuple[Interference, ...]:
+    """Return the places where the path leaves out what was drawn, in order of the outlines.
+
+    Args:
+        runs: the paths that are cut, as indices into the columns of ``found``.
+        closed: for each of them.
+    """
+    pieces = np.concatenate([*runs, np.empty(0, np.int64)])
+    element = found.element[pieces]
+    n = len(source.contour)
+    if found.whole and len(runs) == len(outlines):
+        return ()
+    reach = _Reach(source, raw, element)
+    size = np.array([len(k) for k in runs], np.int64)
+    last = np.cumsum(size) - 1
+    nxt = np.append(element[1:], -1)
+    after = np.append(pieces[1:], -1)
+    for_closed = np.array(closed, bool)
+    nxt[last] = np.where(for_closed, element[last - size + 1], -1)
+    after[last] = pieces[last - size + 1]
+    jump = np.flatnonzero((nxt >= 0) & (raw.following[element] != nxt) & (element != nxt))
+    e, f = element[jump], nxt[jump]
+    node = found.node0[after[jump]]
+    a, b = raw.source[e], raw.source[f]
+    same = raw.contour[e] == raw.contour[f]
+    matter, seen = reach.between(a, np.where(same, b, a), raw.transition[e] | ~raw.transition[f])
+    wanted = np.flatnonzero(~same | (matter > 0))
+    result = _findings(source, raw, found, reach, e[wanted], f[wanted], node[wanted], seen[wanted])
+    loops = np.zeros(len(outlines), np.int64)
+    for k in runs:
+        loops[np.unique(raw.contour[found.element[k]])] += 1
+    result += [_vanished(source, number) for number in np.flatnonzero(loops == 0).tolist()]
+    covered = np.zeros(n, bool)
+    index = (
+        {
+            (int(c), int(r)): k
+            for k, (c, r) in enumerate(zip(source.contour, source.row, strict=True))
+        }
+        if result
+        else {}
     )
-    number = int(raw.contour[e])
-    row = int(source.row[raw.source[e]])
-    if raw.contour[f] != number:
-        return Interference("neighbour", at, number, row, (), 0.0)
-    between = _between(raw, source, e, f)
-    left_out = between[~reached[between]]
-    if not len(left_out):
-        # Nothing drawn is left out: an inner corner, or specks. But a jump to what lies behind
-        # (over reached segments) is a pinched passage.
-        if len(between) and np.any(source.segments.length[between] > NEGLIGIBLE_UM):
-            return Interference("passage", at, number, row, (), 0.0)
-        return None
-    lengths = source.segments.length[left_out]
-    rows = tuple(source.row[left_out].tolist())
-    s = source.segments
-    inside = (s.turn[left_out] * source.shift[left_out] > 0) & (
-        s.radius[left_out] < np.abs(source.shift[left_out])
-    )
-    if inside.all():
-        worst = left_out[np.argmin(s.radius[left_out])]
-        return Interference("radius", at, number, int(source.row[worst]), rows, float(s.radius[worst]))
-    return Interference("passage", at, number, rows[0], rows, float(lengths.sum()))
+    for item in result:
+        covered[[index[item.outline, row] for row in item.rows if (item.outline, row) in index]] = (
+            True
+        )
+    for k in np.flatnonzero(reach.lost & ~covered & (loops[source.contour] > 0)).tolist():
+        if not covered[k]:
+            group = np.flatnonzero((reach.stretch == reach.stretch[k]) & reach.lost)
+            covered[group] = True
+            result.append(_passage(source, reach, group, None))
+    named = {item.outline for item in result}
+    for number in np.flatnonzero(loops > 1).tolist():
+        if number not in named:
+            result.append(
+                _passage(source, reach, np.flatnonzero(source.contour == number)[:1], None)
+            )
+    return tuple(sorted(result, key=lambda i: (i.outline, i.row, i.kind, i.at)))
+
+
+def _findings(
+    source: Source, raw: Raw, found: Loops, reach: _Reach, e: Ints, f: Ints, node: Ints, seen: Ints
+) -> list[Interference]:
+    """Return one finding for each set of jumps that share a crossing or a left-out stretch."""
+    a, b = raw.source[e], raw.source[f]
+    follow = source.following[a]
+    ahead = np.where(follow >= 0, reach.stretch[follow], -1)
+    behind = np.where(reach.before[b] >= 0, reach.stretch[reach.before[b]], -1)
+    top: dict[int, int] = {}
+
+    def root(k: int) -> int:
+        while top.setdefault(k, k) != k:
+            top[k] = top[top[k]]
+            k = top[k]
+        return k
+
+    stretches = 2 * len(source.contour) + 1
+    for m, n0, s0, s1 in zip(
+        range(len(e)), node.tolist(), ahead.tolist(), behind.tolist(), strict=True
+    ):
+        here = root(-1 - m)
+        top[here] = root(stretches + n0)
+        for stretch in (s0, s1):
+            if stretch >= 0:
+                top[root(-1 - m)] = root(stretch)
+    sets: dict[int, list[int]] = {}
+    for m in range(len(e)):
+        sets.setdefault(root(-1 - m), []).append(m)
+    lost_rows = np.flatnonzero(reach.lost)
+    by_stretch = lost_rows[np.argsort(reach.stretch[lost_rows], kind="stable")]
+    keys = reach.stretch[by_stretch]
+    result = []
+    for jumps in sets.values():
+        m = min(jumps, key=lambda k: (int(raw.contour[e[k]]), int(a[k]), int(node[k])))
+        at = (
+            float(found.node_x[node[m]] + source.origin[0]),
+            float(found.node_y[node[m]] + source.origin[1]),
+        )
+        number = int(raw.contour[e[m]])
+        ids = sorted({int(s) for k in jumps for s in (ahead[k], behind[k]) if s >= 0})
+        rows = [by_stretch[slice(*np.searchsorted(keys, (s, s + 1)))] for s in ids]
+        lost = np.sort(np.concatenate([*rows, np.empty(0, np.int64)]))
+        if any(raw.contour[e[k]] != raw.contour[f[k]] for k in jumps):
+            mine = lost[source.contour[lost] == number]
+            row = int(source.row[a[m]])
+            length = float(source.segments.length[mine].sum())
+            rows_left = tuple(source.row[mine].tolist())
+            result.append(Interference("neighbour", at, number, row, rows_left, length))
+        elif len(lost) and reach.inside[lost].all() and not seen[jumps].any():
+            radius = source.segments.radius[lost]
+            row = int(source.row[lost[np.argmin(radius)]])
+            rows_left = tuple(source.row[lost].tolist())
+            result.append(Interference("radius", at, number, row, rows_left, float(radius.min())))
+        elif len(lost):
+            result.append(_passage(source, reach, lost, at))
+        elif seen[jumps].any():
+            result.append(Interference("passage", at, number, int(source.row[a[m]]), (), 0.0))
+    return result
 
 
 def _vanished(source: Source, number: int) -> Interference:
@@ -167,34 +259,22 @@ def _vanished(source: Source, number: int) -> Interference:
     )
 
 
-def _unreported(
-    source: Source,
-    raw: Raw,
-    reached: np.ndarray[tuple[int], np.dtype[np.bool_]],
-    covered: set[tuple[int, int]],
-    paths_of: dict[int, int],
-) -> list[Interference]:
-    """Return left-out segments that no jump explains (they lie beyond another contour's path)."""
-    result = []
-    for k in np.flatnonzero(~reached).tolist():
-        number, row = int(source.contour[k]), int(source.row[k])
-        if number in paths_of and (number, row) not in covered:
-            result.append(_passage(source, np.array([k])))
-    return result
-
-
-def _passage(source: Source, rows: Ints) -> Interference:
+def _passage(
+    source: Source, reach: _Reach, rows: Ints, at: tuple[float, float] | None
+) -> Interference:
+    """Return a finding about left-out segments, by default at the middle of the first one's chord."""
     s = source.segments
     k = int(rows[0])
-    at = (
+    middle = (
         float(0.5 * (s.x0[k] + s.x1[k]) + source.origin[0]),
         float(0.5 * (s.y0[k] + s.y1[k]) + source.origin[1]),
     )
+    left_out: Floats = s.length[rows[reach.lost[rows]]]
     return Interference(
         "passage",
-        at,
+        at or middle,
         int(source.contour[k]),
         int(source.row[k]),
         tuple(source.row[rows].tolist()),
-        float(s.length[rows].sum()),
+        float(left_out.sum()),
     )

@@ -329,9 +329,7 @@ def _mitre(
         if not ti and not tj:
             if abs(s.ux[i] * s.uy[j] - s.uy[i] * s.ux[j]) > 1e-9:
                 candidates.append(
-                    formulas.line_line(
-                        FLOAT64, p, (s.ux[i], s.uy[i]), q, (s.ux[j], s.uy[j])
-                    )
+                    formulas.line_line(FLOAT64, p, (s.ux[i], s.uy[i]), q, (s.ux[j], s.uy[j]))
                 )
         elif ti != tj:
             line, arc, at = (i, j, p) if tj else (j, i, q)

@@ -9,7 +9,7 @@ is stitched by nearness.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,8 @@ class Loops:
         lost_at: where they are, shape (n, 2).
         walls: elements that run along each other in opposite directions: a slot or neck as wide as
             the wire. Both were dropped there.
+        whole: nothing crosses and nothing vanished: each contour has one loop of all its elements.
+        areas: signed area of each loop, um^2; 0 for an open one.
     """
 
     loops: list[Ints]
@@ -77,6 +79,8 @@ class Loops:
     lost: Ints
     lost_at: NDArray[np.float64]
     walls: Ints
+    whole: bool = False
+    areas: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -204,6 +208,7 @@ def _whole(source: Source, raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Flo
     n = len(ends)
     first = np.flatnonzero(np.append(True, raw.contour[1:] != raw.contour[:-1])[:n])
     loops = [np.arange(a, b) for a, b in zip(first, [*first[1:], n], strict=True)]
+    every = len(loops)
     if len(loops) > 1:
         # Without a crossing each loop is clear of the other contours in whole or not at all.
         clear = _clearance(source, raw, first, 0.5 * raw.elements.length[first])
@@ -225,6 +230,7 @@ def _whole(source: Source, raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Flo
         np.empty(0, np.int64),
         np.empty((0, 2)),
         np.empty(0, np.int64),
+        len(loops) == every,
     )
     return _without_slivers(source, raw, found)
 
@@ -316,8 +322,10 @@ def _without_doubles(raw: Raw, p: _Pieces) -> tuple[_Pieces, Ints]:
         return p, np.empty(0, np.int64)
     mx, my = seg.points_at(raw.elements.take(p.element), 0.5 * (p.at0 + p.at1))
     walls: list[int] = []
-    groups = np.split(order[np.unique(np.append(rows, rows + 1))], [])[0]
-    changes = np.flatnonzero((low[groups][1:] != low[groups][:-1]) | (high[groups][1:] != high[groups][:-1]))
+    groups = order[np.unique(np.append(rows, rows + 1))]
+    changes = np.flatnonzero(
+        (low[groups][1:] != low[groups][:-1]) | (high[groups][1:] != high[groups][:-1])
+    )
     for group in np.split(groups, changes + 1):
         members = group.tolist()
         for m, a in enumerate(members):
@@ -430,31 +438,45 @@ def _choose(
 
 def _without_slivers(source: Source, raw: Raw, found: Loops) -> Loops:
     """Drop loops without a width: coincident walls run along once in each direction."""
-    keep, closed = [], []
-    for loop, is_closed in zip(found.loops, found.closed, strict=True):
+    keep: list[Ints] = []
+    closed: list[bool] = []
+    areas, lengths = _areas_and_lengths(raw, found)
+    for loop, is_closed, area, length in zip(
+        found.loops, found.closed, areas, lengths, strict=True
+    ):
         if is_closed:
-            area, length = _area_and_length(raw, found, loop)
             if abs(area) < SLIVER_UM * length:
                 continue
-            element = found.element[loop]
-            if raw.transition[element].all():
+            if raw.transition[found.element[loop[0]]] and not found.whole:
+                element = found.element[loop]
                 x, y = seg.points_at(raw.elements.take(element[:1]), found.at0[loop[:1]])
-                if not on_free_side(source, int(raw.contour[element[0]]), x, y)[0]:
+                if (
+                    raw.transition[element].all()
+                    and not on_free_side(source, int(raw.contour[element[0]]), x, y).all()
+                ):
                     continue
         keep.append(loop)
         closed.append(is_closed)
-    found.loops[:] = keep
-    found.closed[:] = closed
-    return found
+        found.areas.append(area if is_closed else 0.0)
+    whole = found.whole and len(keep) == len(found.loops)
+    return replace(found, loops=keep, closed=closed, whole=whole)
 
 
-def _area_and_length(raw: Raw, found: Loops, loop: Ints) -> tuple[float, float]:
-    """Return the signed area (um^2) and the length (um) of one closed loop."""
-    e = raw.elements.take(found.element[loop])
+def _areas_and_lengths(raw: Raw, found: Loops) -> tuple[list[float], list[float]]:
+    """Return the signed area (um^2) and the length (um) of each loop."""
+    if not found.loops:
+        return [], []
+    loop = np.concatenate(found.loops)
+    begin = np.cumsum([0, *(len(k) for k in found.loops[:-1])])
+    element = found.element[loop]
+    e = raw.elements
+    if len(element) != len(e) or not found.whole:
+        e = e.take(element)
     at0, at1 = found.at0[loop], found.at1[loop]
-    x0, y0 = seg.points_at(e, at0)
-    x1, y1 = seg.points_at(e, at1)
-    r = np.where(e.radius > 0, e.radius, 1.0)
-    sweep = np.where(e.turn != 0, e.turn * (at1 - at0) / r, 0.0)
-    lune = 0.5 * e.radius**2 * (sweep - np.sin(sweep))
-    return float(np.sum(0.5 * (x0 * y1 - x1 * y0) + lune)), float(np.sum(at1 - at0))
+    n0, n1 = found.node0[loop], found.node1[loop]
+    x0, y0, x1, y1 = found.node_x[n0], found.node_y[n0], found.node_x[n1], found.node_y[n1]
+    long = at1 - at0
+    sweep = np.where(e.radius > 0, long / np.where(e.radius > 0, e.radius, 1.0), 0.0)
+    lune = e.radius**2 * (sweep - np.sin(sweep)) * e.turn
+    area = 0.5 * np.add.reduceat(x0 * y1 - x1 * y0 + lune, begin)
+    return area.tolist(), np.add.reduceat(long, begin).tolist()

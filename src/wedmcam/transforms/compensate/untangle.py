@@ -74,9 +74,7 @@ class _Row(NamedTuple):
     y1: float
 
 
-def _rebuilt(
-    source: Source, rows: list[_Row], ends: tuple[Floats, ...], stay: Ints
-) -> Source:
+def _rebuilt(source: Source, rows: list[_Row], ends: tuple[Floats, ...], stay: Ints) -> Source:
     """Return the source with new ends of segments and with the reversed pieces put in."""
     s = source.segments
     of = np.concatenate([stay, np.array([r.k for r in rows], np.int64)])

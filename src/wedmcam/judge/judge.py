@@ -16,14 +16,14 @@ import numpy as np
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, LineTable, Program, Role
-from wedmcam.verify.deviation import SLOP, Measured, measure
-from wedmcam.verify.material import Kept, coverage, kept_material, wrong_side
-from wedmcam.verify.route import Route, plan_route
-from wedmcam.verify.runs import Assigned, assign, mm, runs, span_of
-from wedmcam.verify.segments import Bools, Floats, Ints, points_at
-from wedmcam.verify.track import LOST, Track, track
-from wedmcam.verify.verdict import BlockTable, Count, CutVerdict, Verdict
-from wedmcam.verify.walk import Walk, walk
+from wedmcam.judge.deviation import SLOP, Measured, measure
+from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
+from wedmcam.judge.route import Route, plan_route
+from wedmcam.judge.runs import Assigned, assign, mm, runs, span_of
+from wedmcam.judge.segments import Bools, Floats, Ints, points_at
+from wedmcam.judge.track import LOST, Track, track
+from wedmcam.judge.verdict import BlockTable, Count, CutVerdict, Verdict
+from wedmcam.judge.walk import Walk, walk
 
 #: How far from the asked length of the stop the pause may be, um: it is rounded to the micron, and
 #: a vertex next to it may be taken for it.
@@ -183,7 +183,7 @@ class _Case:
                 retrace = [_retraces(way, a, c) for a, c in zip(assigned, cuts, strict=True)]
                 route = plan_route(cuts, retrace)
         else:
-            from wedmcam.verify.match import match
+            from wedmcam.judge.match import match
 
             assigned, cuts, route, backwards, found = match(way, self.program, self.plan)
         findings.extend(found)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.ir.program import Axis, Kind
-from wedmcam.verify.segments import Floats, Ints
+from wedmcam.judge.segments import Floats, Ints
 
 
 class Recomputed(NamedTuple):
@@ -38,8 +38,9 @@ def _half_up(value: Floats) -> Ints:
 def recomputed_ends(blocks: NDArray[np.void]) -> Recomputed:
     """Return where arcs end by geometry.
 
-    R = |start| rounded to um (ours: no source gives the rounding); the G coordinate is unwound
-    exactly, the other is sqrt(R^2 - g^2) rounded to um. An arc counted on the inscribed square has
+    The G coordinate is unwound with R = |start| rounded to um, as J was made; the other one is
+    sqrt(|start|^2 - g^2) rounded to um: the end lies on the circle of the start (ours: no source
+    says how such a controller rounds). An arc counted on the inscribed square has
     no such end (a machine that counts so does not recompute): dx = dy = 0 and its sweep is NaN.
     Lines and control blocks: zeros.
 
@@ -89,7 +90,7 @@ def _arc_ends(
     flips = np.where(past, 1.0 + legs, 0.0)
     last = heading * np.where(flips % 2 == 1, -1.0, 1.0)
     g_end = np.where(past, -last * radius + last * rest, g + heading * count)
-    other_end = hand * last * np.sqrt(np.maximum(radius**2 - g_end**2, 0.0))
+    other_end = hand * last * np.sqrt(np.maximum(x**2 + y**2 - g_end**2, 0.0))
     ge, oe = _half_up(g_end), _half_up(other_end)
     ex, ey = np.where(on_x, ge, oe), np.where(on_x, oe, ge)
     # Whole half turns between turning points, and the parts before the first and after the last.

@@ -13,8 +13,8 @@ import numpy as np
 from wedmcam.diag import Diagnostic, Span, error
 from wedmcam.ir.plan import Cut
 from wedmcam.ir.program import Kind, Program
-from wedmcam.verify.segments import Ints
-from wedmcam.verify.walk import Walk
+from wedmcam.judge.segments import Ints
+from wedmcam.judge.walk import Walk
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,12 +14,12 @@ import numpy as np
 from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import LineTable, Program
-from wedmcam.verify.match import Piece, path_box, pieces
-from wedmcam.verify.route import of_contours
-from wedmcam.verify.runs import mm
-from wedmcam.verify.segments import Floats, nearest
-from wedmcam.verify.track import LOST
-from wedmcam.verify.walk import Walk, walk
+from wedmcam.judge.match import Piece, path_box, pieces
+from wedmcam.judge.route import of_contours
+from wedmcam.judge.runs import mm
+from wedmcam.judge.segments import Floats, nearest
+from wedmcam.judge.track import LOST
+from wedmcam.judge.walk import Walk, walk
 
 #: Places of the program that are compared with the plan.
 SAMPLES = 2000

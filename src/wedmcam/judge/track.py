@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.verify.route import Route
-from wedmcam.verify.segments import Floats, Ints, Segments, point_distance
+from wedmcam.judge.route import Route
+from wedmcam.judge.segments import Floats, Ints, Segments, point_distance
 
 #: A block end this near to a vertex of the route is taken to be meant for it, um: vertices are
 #: rounded to the micron (0.71) and an arc may end one off.

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from wedmcam.diag import ByteSpan, Diagnostic, EntityRef, TextSpan
-from wedmcam.verify.verdict import Verdict
+from wedmcam.judge.verdict import Verdict
 
 
 def fingerprint(data: bytes) -> str:

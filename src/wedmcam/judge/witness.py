@@ -12,7 +12,7 @@ import numpy as np
 
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan, Side
-from wedmcam.verify.segments import Floats, of_contour, points_at
+from wedmcam.judge.segments import Floats, of_contour, points_at
 
 #: Largest distance between an arc and its chords, um.
 SAGITTA = 0.05

@@ -15,7 +15,7 @@ import numpy as np
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut
 from wedmcam.ir.program import Role
-from wedmcam.verify.segments import (
+from wedmcam.judge.segments import (
     Bools,
     Floats,
     Ints,

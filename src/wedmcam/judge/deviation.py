@@ -22,10 +22,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.verify.material import Kept
-from wedmcam.verify.route import Route
-from wedmcam.verify.segments import Bools, Floats, Ints, point_distance
-from wedmcam.verify.walk import Walk
+from wedmcam.judge.material import Kept
+from wedmcam.judge.route import Route
+from wedmcam.judge.segments import Bools, Floats, Ints, point_distance
+from wedmcam.judge.walk import Walk
 
 #: How far progress may fall back, or a block end miss its vertex along the route, um: a vertex is
 #: met within 2 um from either side.

@@ -15,9 +15,9 @@ import numpy as np
 from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
-from wedmcam.verify.route import Route, assemble
-from wedmcam.verify.runs import Assigned, mm, runs, span_of
-from wedmcam.verify.segments import (
+from wedmcam.judge.route import Route, assemble
+from wedmcam.judge.runs import Assigned, mm, runs, span_of
+from wedmcam.judge.segments import (
     Floats,
     Ints,
     Segments,
@@ -29,8 +29,8 @@ from wedmcam.verify.segments import (
     segments,
     sub_segments,
 )
-from wedmcam.verify.track import LOST, progress
-from wedmcam.verify.walk import Walk
+from wedmcam.judge.track import LOST, progress
+from wedmcam.judge.walk import Walk
 
 #: A loop of the program and a planned path whose boxes differ by more are not the same, um.
 SAME_BOX = LOST

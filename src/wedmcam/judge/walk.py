@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from wedmcam import controller
 from wedmcam.ir.program import Kind, LineTable, Program
-from wedmcam.verify.segments import Bools, Floats, Ints
-from wedmcam.verify.textbook import recomputed_ends
+from wedmcam.judge.segments import Bools, Floats, Ints
+from wedmcam.judge.textbook import recomputed_ends
 
 
 @dataclass(frozen=True, slots=True, eq=False)

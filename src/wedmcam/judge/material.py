@@ -14,8 +14,8 @@ import numpy as np
 
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Role
-from wedmcam.verify.route import Route, of_contours
-from wedmcam.verify.segments import (
+from wedmcam.judge.route import Route, of_contours
+from wedmcam.judge.segments import (
     Floats,
     Ints,
     Segments,

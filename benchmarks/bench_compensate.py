@@ -16,7 +16,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import parts
-
 from wedmcam.transforms.compensate import compensate, largest_offset
 
 OFFSET_UM = 130.0

@@ -24,7 +24,6 @@ from oracle import (
     signed_area,
 )
 from parts import FAMILIES, family_case
-
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms.compensate import compensate
 

@@ -96,7 +96,7 @@ def degrees(rng, n):
 
 
 def no_pole(a):
-    odd = np.array([x % 180 == 90 for x in map(EXACT.create_decimal, a.tolist())])
+    odd = np.array([EXACT.remainder(x, Decimal(180)).copy_abs() == 90 for x in a.tolist()])
     a[odd] = 45
     return a
 

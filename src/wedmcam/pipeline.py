@@ -20,9 +20,9 @@ from wedmcam.machines import Machine
 from wedmcam.options import Options
 
 if TYPE_CHECKING:
+    from wedmcam.judge.verdict import Verdict
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.nest import Nesting
-    from wedmcam.judge.verdict import Verdict
 
 T = TypeVar("T")
 

@@ -6,8 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import parts
 import pytest
+
+import parts
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 
@@ -127,11 +128,11 @@ def test_certificate_and_verify(folder):
     ):
         done = wedmcam(*line.split(), cwd=folder)
         assert done.returncode == 0, done.stderr.decode()
-    wrong = wedmcam(*"verify a.3b --against part.dxf --offset 0.2".split(), cwd=folder)
+    wrong = wedmcam(*["verify", "a.3b", "--against", "part.dxf", "--offset", "0.2"], cwd=folder)
     assert wrong.returncode == 3
     forged = (folder / "a.3b").read_bytes().replace(b"L1", b"L3", 1)
     (folder / "a.3b").write_bytes(forged)
-    done = wedmcam(*"verify a.3b --certificate a.json".split(), cwd=folder)
+    done = wedmcam(*["verify", "a.3b", "--certificate", "a.json"], cwd=folder)
     assert done.returncode == 3, done.stderr.decode()
     assert b"certificate-differs" in done.stderr
     # The judge names the block.
@@ -143,14 +144,14 @@ def test_standard_input_and_output(folder):
     line = "compile - -o - --to 3b --offset 0.1"
     done = wedmcam(*line.split(), cwd=folder, stdin=drawing)
     assert done.returncode == 0
-    wedmcam(*"compile part.dxf -o x.3b --offset 0.1".split(), cwd=folder)
+    wedmcam(*["compile", "part.dxf", "-o", "x.3b", "--offset", "0.1"], cwd=folder)
     assert done.stdout == (folder / "x.3b").read_bytes()
 
 
 def test_same_bytes_in_any_locale_folder_and_time_zone(folder, tmp_path_factory):
     other = tmp_path_factory.mktemp("other place")
     (other / "part.dxf").write_bytes((folder / "part.dxf").read_bytes())
-    line = "compile part.dxf -o x.3b --offset 0.1 --profile b3-numbered".split()
+    line = ["compile", "part.dxf", "-o", "x.3b", "--offset", "0.1", "--profile", "b3-numbered"]
     wedmcam(*line, cwd=folder, env={"TZ": "UTC", "PYTHONHASHSEED": "1"})
     strange = {"TZ": "Asia/Tokyo", "LC_ALL": "de_DE.UTF-8", "PYTHONHASHSEED": "2"}
     wedmcam(*line, cwd=other, env=strange)
@@ -158,13 +159,13 @@ def test_same_bytes_in_any_locale_folder_and_time_zone(folder, tmp_path_factory)
 
 
 def test_nothing_in_colour_into_a_pipe(folder):
-    done = wedmcam(*"compile part.dxf -o x.3b".split(), cwd=folder)
+    done = wedmcam(*["compile", "part.dxf", "-o", "x.3b"], cwd=folder)
     assert b"\x1b" not in done.stderr
     assert b"\r" not in done.stderr
 
 
 def test_a_closed_pipe_leaves_no_traceback(folder):
-    wedmcam(*"compile part.dxf -o x.3b --offset 0.1".split(), cwd=folder)
+    wedmcam(*["compile", "part.dxf", "-o", "x.3b", "--offset", "0.1"], cwd=folder)
     shell = f"{sys.executable} -m wedmcam dump x.3b | head -1"
     done = subprocess.run(shell, shell=True, cwd=folder, capture_output=True, check=False)
     assert b"Traceback" not in done.stderr

@@ -1,8 +1,8 @@
 """Published programs come out of the compiler byte for byte, from drawings of what they cut."""
 
-import parts
 import pytest
 
+import parts
 import wedmcam
 from wedmcam import api, machines
 from wedmcam.controller import run

@@ -1,8 +1,8 @@
 """500 random parts through the whole compiler: the figures that every program must reach."""
 
-import parts
 import pytest
 
+import parts
 import wedmcam
 
 CHUNK = 25

@@ -23,7 +23,7 @@ CASES = [
     }.items()
     for ending in (".3b", ".zd")
 ] + [
-    ("key-punch", ".die.3b", {"offset": 0.1, "side": "die", "corner": 0.15}),
+    ("bracket-inch", ".die.3b", {"offset": 0.1, "side": "die", "corner": 0.15}),
     ("gear-24", ".textbook.3b", {"offset": 0.1, "count": "textbook"}),
 ]
 PROFILES = {"plate.columns.3b": "b3-columns", "plate.numbered.3b": "b3-numbered"}

@@ -1,9 +1,9 @@
 """--corner: rounding the part's own corners."""
 
 import numpy as np
-import parts
 import pytest
 
+import parts
 import wedmcam
 from wedmcam.geom.measure import area, length
 from wedmcam.ir.contour import Contour, vertices

@@ -1,9 +1,9 @@
 """Thread points, leads and order (rulings 3, 5, 6)."""
 
 import numpy as np
-import parts
 import pytest
 
+import parts
 import wedmcam
 from wedmcam.ir.plan import Order
 from wedmcam.transforms.order import order

@@ -1,9 +1,9 @@
 """Lowering: closed loop, budgets, limits, control records."""
 
 import numpy as np
-import parts
 import pytest
 
+import parts
 from wedmcam.controller import arc_end, run
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.plan import Cut, Plan, Side

@@ -116,7 +116,7 @@ def plain(m: Mantissas, e: Exponents) -> Floats:
 
 
 def _remainder(m: Mantissas, e: Exponents) -> tuple[Floats, Floats]:
-    """Return float64 x and r whose sum is the operand, |r| <= UNIT |x|, for |x| below 1e19."""
+    """Return float64 x and r whose sum is the operand, |r| <= UNIT |x|; r is NaN if unknown."""
     k = e.astype(np.int64) - DIGITS
     down = ten(np.clip(-k, 0, 22))
     x = m * ten(np.clip(k, 0, 11)) / down
@@ -137,7 +137,8 @@ def _fine(value: Floats, slope: Floats, curve: Floats, r: Floats) -> Approximati
     error = LIBRARY * np.abs(value) + 2 * LIBRARY * np.abs(slope * r)
     error += np.abs(curve) * r * r + (1 + curve * curve) * np.abs(r) ** 3
     relative = error / np.abs(y) + UNIT
-    return y, np.where(np.isfinite(relative), relative, 1.0)
+    known = np.isfinite(relative)
+    return np.where(known, y, 1.0), np.where(known, relative, 1.0)
 
 
 def _sin(m: Mantissas, e: Exponents) -> Approximation:

@@ -232,7 +232,7 @@ def _add(
     There S = 10 hi + 10 lo / 10^d, one rounding in the quotient and one in the sum. It is rounded
     to 8 digits at 100, 10 or 1 of these units, where a tie is an integer or a half. If S is a tie,
     it is computed exactly. If not, it differs from one by at least 10^(1-d); against that the
-    spacing of float64 is small enough for every d that can come near to a tie there (d <= 8 at tens,
+    spacing of float64 is small enough for every d that comes near to a tie there (d <= 8 at tens,
     with |S| < 1.074e9 and spacing 1.2e-7; d = 9 only where |S| < 1e8, spacing 1.5e-8; from 10 on
     lo is below 0.1 units and decides nothing). So S is on its side of every tie, and the division
     by 10 or 100, rounded correctly, leaves it there. Below 1e7 there was cancellation, which

@@ -172,8 +172,8 @@ _FUNCTIONS: dict[Any, Callable[..., Any]] = {
 _MOVING = {
     np.concatenate, np.stack, np.hstack, np.vstack, np.column_stack, np.append, np.insert,
     np.delete, np.reshape, np.ravel, np.transpose, np.squeeze, np.expand_dims,
-    np.moveaxis, np.swapaxes, np.atleast_1d, np.atleast_2d, np.broadcast_to, np.flip, np.roll, np.rot90,
-    np.repeat, np.tile, np.take, np.copy, np.compress, np.choose,
+    np.moveaxis, np.swapaxes, np.atleast_1d, np.atleast_2d, np.broadcast_to,
+    np.flip, np.roll, np.rot90, np.repeat, np.tile, np.take, np.copy, np.compress, np.choose,
 }  # fmt: skip
 
 

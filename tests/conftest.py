@@ -13,7 +13,9 @@ settings.load_profile("wedmcam")
 
 def pytest_addoption(parser):
     parser.addoption(
-        "--update-golden", action="store_true", help="write the golden files anew; then look at git diff"
+        "--update-golden",
+        action="store_true",
+        help="write the golden files anew; then look at git diff",
     )
 
 

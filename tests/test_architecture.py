@@ -45,13 +45,13 @@ def _imports():
 
 EDGES = sorted({(h[0], n.split(".")[1]) for h, n in _imports() if n.startswith("wedmcam.")})
 STANDARD = __import__("sys").stdlib_module_names | {"wedmcam", "__future__"}
-THIRD = sorted(
-    {(h[0], n.split(".")[0]) for h, n in _imports() if n.split(".")[0] not in STANDARD}
-)
+THIRD = sorted({(h[0], n.split(".")[0]) for h, n in _imports() if n.split(".")[0] not in STANDARD})
 
 
 def test_the_table_names_every_layer():
-    layers = {p.stem for p in PACKAGE.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
+    layers = {
+        p.stem for p in PACKAGE.iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()
+    }
     assert layers - SHELL == set(TABLE)
 
 

@@ -1,7 +1,7 @@
 """Programs of the samples, byte for byte. They change on purpose or not at all.
 
-``pytest tests/golden --update-golden`` writes them anew; the difference is a change of what machines
-will cut, and belongs into CHANGELOG.
+``pytest tests/golden --update-golden`` writes them anew; the difference is a change of what
+machines will cut, and belongs into CHANGELOG.
 """
 
 from pathlib import Path
@@ -23,7 +23,11 @@ CASES = [
     }.items()
     for ending in (".3b", ".zd")
 ] + [
-    ("bracket-inch", ".die.3b", {"offset": 0.1, "side": "die", "corner": 0.15}),
+    (
+        "key-punch",
+        ".die.3b",
+        {"offset": 0.1, "side": "die", "corner": 0.15, "ignore_layers": ["START"]},
+    ),
     ("gear-24", ".textbook.3b", {"offset": 0.1, "count": "textbook"}),
 ]
 PROFILES = {"plate.columns.3b": "b3-columns", "plate.numbered.3b": "b3-numbered"}

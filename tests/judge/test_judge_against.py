@@ -36,7 +36,9 @@ def codes(findings):
 
 
 @pytest.mark.parametrize(
-    "plan", [part_with_hole(), skew_plan(), square_plan(), hole_plan(Side.DIE)], ids=["hole", "skew", "square", "die"]
+    "plan",
+    [part_with_hole(), skew_plan(), square_plan(), hole_plan(Side.DIE)],
+    ids=["hole", "skew", "square", "die"],
 )
 def test_origin_is_fitted_to_the_micron(plan):
     program = lower(plan)

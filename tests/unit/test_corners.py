@@ -20,9 +20,7 @@ def test_rectangle_by_elementary_geometry():
 def test_line_meets_arc_and_arc_meets_arc():
     """A lens of two arcs, and a half disc: every joint becomes tangent."""
     half = Contour(vertices([(5_000, 0, 0, 0, 1, -1), (-5_000, 0, 0, 0, 0, -1)]), True)
-    lens = Contour(
-        vertices([(0, -4_000, -3_000, 0, 1, -1), (0, 4_000, 3_000, 0, 1, -1)]), True
-    )
+    lens = Contour(vertices([(0, -4_000, -3_000, 0, 1, -1), (0, 4_000, 3_000, 0, 1, -1)]), True)
     for contour in (half, lens):
         (c,), found = round_corners([contour], 300)
         assert not found

@@ -10,8 +10,7 @@ from wedmcam.transforms.order import order
 
 
 def compiled(contours, **mm):
-    made = wedmcam.compile(parts.dxf_bytes(contours), **{"offset": 0.1, **mm})
-    return made
+    return wedmcam.compile(parts.dxf_bytes(contours), **{"offset": 0.1, **mm})
 
 
 def threads(made):

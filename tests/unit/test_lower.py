@@ -178,7 +178,11 @@ def test_textbook_ends_are_those_that_the_controller_computes():
     b = program.blocks[program.blocks["kind"] == Kind.ARC]
     ex, ey = nominal_end(b["x"], b["y"], b["turn"], b["axis"], b["count"])
     # Where the arc steps at all, it passes within a micron or so of the computed end.
-    near = [arc_end(b["x"], b["y"], b["turn"], ex + i, ey + j).landed for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    near = [
+        arc_end(b["x"], b["y"], b["turn"], ex + i, ey + j).landed
+        for i in (-1, 0, 1)
+        for j in (-1, 0, 1)
+    ]
     assert np.any(near, axis=0).all()
 
 
@@ -189,7 +193,8 @@ def test_best_chain_is_the_cheapest_by_brute_force():
         costs = [rng.uniform(0, 1, (sizes[k], sizes[k + 1])) for k in range(3)]
         extra = [rng.uniform(0, 0.1, n) for n in sizes]
         best = min(
-            sum(costs[k][c[k], c[k + 1]] ** 4 for k in range(3)) + sum(extra[k][c[k]] for k in range(4))
+            sum(costs[k][c[k], c[k + 1]] ** 4 for k in range(3))
+            + sum(extra[k][c[k]] for k in range(4))
             for c in np.ndindex(*sizes)
         )
         chain = best_chain(costs, extra)

@@ -13,6 +13,7 @@ from wedmcam.ir.plan import Order, Side
 
 #: File name endings of programs, and the format each means.
 FORMAT_OF_SUFFIX = {".3b": "3b", ".zd": "compact"}
+SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.items()}
 #: File name endings of sources.
 SOURCE_OF_SUFFIX = {".dxf": "dxf"}
 PROGRAM_FORMATS = ("3b", "compact")
@@ -29,9 +30,11 @@ class Options:
 
     Attributes:
         units: "mm", "um" or "inch" whatever the drawing says; None to take its own.
+        fill_in_units: ``units`` only where the drawing says none (batch, ruling 7).
         layers: wildcards of layers to take; empty for all.
         ignore_layers: wildcards of layers to leave out.
         join_um: the largest gap closed between entities.
+        tolerance_um: how far arcs may lie from a spline or an ellipse.
         offset_um: from the outline to the wire's centre; None where none was given.
         side: None for ``part`` with an offset and ``on`` without.
         corner_um: radius rounded onto the part's own corners; 0 for none.
@@ -49,9 +52,11 @@ class Options:
     """
 
     units: str | None = None
+    fill_in_units: bool = False
     layers: tuple[str, ...] = ()
     ignore_layers: tuple[str, ...] = ()
     join_um: float = 10.0
+    tolerance_um: float = 1.0
     offset_um: float | None = None
     side: Side | None = None
     corner_um: float = 0.0

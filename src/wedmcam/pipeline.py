@@ -85,7 +85,10 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.transforms.nest import nest
 
     asked = DxfOptions(
-        units=options.units, layers=options.layers, ignore_layers=options.ignore_layers
+        units=options.units,
+        fill_in_units=options.fill_in_units,
+        layers=options.layers,
+        ignore_layers=options.ignore_layers,
     )
     sketch = run("read", read_dxf(data, file, asked))
     contours, report, found = chain(sketch, options.join_um)

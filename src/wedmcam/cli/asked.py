@@ -40,6 +40,13 @@ drawing_options = _stack(
         "--ignore-layer", "ignore_layers", multiple=True, metavar="NAME", help="Leave it out."
     ),
     click.option("--join", "join_um", type=LENGTH, default="0.01mm", help="Largest gap closed."),
+    click.option(
+        "--tolerance",
+        "tolerance_um",
+        type=LENGTH,
+        default="0.001mm",
+        help="Between a spline or an ellipse and its arcs.",
+    ),
 )
 
 path_options = _stack(
@@ -116,6 +123,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         layers=asked["layers"],
         ignore_layers=asked["ignore_layers"],
         join_um=asked["join_um"],
+        tolerance_um=asked["tolerance_um"],
         offset_um=offset,
         side=Side(asked["side"]) if asked["side"] else None,
         corner_um=asked["corner_um"] or 0.0,

@@ -120,6 +120,46 @@ def _name(path: str) -> str:
     return "stdin" if path == "-" else path
 
 
+@cli.command("batch")
+@click.argument("inputs", nargs=-1, required=True)
+@click.option("-o", "--output", required=True, metavar="DIR", help="Folder of the programs.")
+@click.option("--to", metavar="FORMAT", help="3b (default) or compact.")
+@click.option("--jobs", type=click.IntRange(0, 256), default=0, help="Processes; 0: one a core.")
+@click.option("--force-units", is_flag=True, help="--units overrides what drawings say.")
+@ask.compile_options
+@ask.said_options
+def batch_command(
+    inputs: tuple[str, ...],
+    output: str,
+    to: str | None,
+    jobs: int,
+    force_units: bool,
+    **asked: Any,
+) -> int:
+    """The same for many files, folders and patterns, into a mirrored tree.
+
+    --json prints one line an item. One bad file never stops the others; the exit status is the
+    largest of the items'.
+    """
+    from wedmcam.cli import batch
+    from wedmcam.options import SUFFIX_OF_FORMAT
+
+    machine = ask.machine_of(asked["profile"], to)
+    options = ask.options_of(asked)
+    if Path(output).exists() and not Path(output).is_dir():
+        raise click.UsageError(f"{output} is a file: -o takes a folder")
+    items = batch.find(inputs, output, SUFFIX_OF_FORMAT[machine.format])
+    return batch.run(
+        items,
+        machine,
+        options,
+        force_units=force_units,
+        jobs=jobs,
+        json_=asked["json_"],
+        quiet=asked["quiet"],
+    )
+
+
 @cli.command("verify")
 @click.argument("program")
 @click.option("--against", metavar="INPUT", help="The drawing that the program is to cut.")

@@ -12,11 +12,15 @@ COLOURS = {Severity.ERROR: "31;1", Severity.WARNING: "33;1", Severity.NOTE: "36"
 
 
 def merged(found: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Return the findings with equal ones (same code, place and sentence) counted as one."""
+    """Return the findings with equal ones (same code, place and sentence) counted as one.
+
+    A finding that stands for many by itself says so in its sentence: it counts as one here.
+    """
     seen: dict[tuple[object, ...], Diagnostic] = {}
     for d in found:
         key = (d.severity, d.code, d.message, str(d.span))
-        seen[key] = replace(seen[key], count=seen[key].count + d.count) if key in seen else d
+        count = seen[key].count + 1 if key in seen else 1
+        seen[key] = replace(d, count=count)
     return list(seen.values())
 
 

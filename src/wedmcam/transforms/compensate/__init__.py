@@ -29,6 +29,7 @@ from wedmcam.transforms.compensate.interference import (
     find_interference,
 )
 from wedmcam.transforms.compensate.raw import SPECK_UM, Raw, Source, gather, raw_offset
+from wedmcam.transforms.compensate.regular import regular_paths
 from wedmcam.transforms.compensate.resolve import Limits, Loops, resolve
 from wedmcam.transforms.compensate.untangle import untangled
 
@@ -140,6 +141,10 @@ def compensate(
     """
     if not outlines:
         return Compensated((), (), 0), []
+    smooth = regular_paths(outlines, shifts) if arithmetic is FLOAT64 else None
+    if smooth is not None:
+        paths = tuple(WirePath(path, k, (k,)) for k, path in enumerate(smooth))
+        return Compensated(paths, (), 0), []
     for attempt in ATTEMPTS:
         nudged = [s + float(np.sign(s)) * attempt.nudge_um for s in shifts]
         source = gather(outlines, nudged, attempt.speck_um)
@@ -290,7 +295,10 @@ def largest_offset(
     if not outlines:
         return limit_um, None
     # No inside radius may be smaller than the offset, so few offsets above the least are tried.
-    top = min(limit_um, _least_inside_radius(outlines, signs))
+    limit = _least_inside_radius(outlines, signs)
+    if limit is not None and limit.size >= limit_um:
+        limit = None
+    top = limit_um if limit is None else limit.size
     low, high, worst = 0.0, top, None
     step = min(top, STEP_UM)
     while worst is None:  # small offsets cross little, so they are fast
@@ -303,7 +311,7 @@ def largest_offset(
         else:
             high = step
     if worst is None:
-        return (limit_um, None) if top >= limit_um else (top, trouble(top + 1.0))
+        return (limit_um, None) if limit is None else (top, limit)
     while high - low > 0.05:
         middle = 0.5 * (low + high)
         found = trouble(middle)
@@ -314,14 +322,20 @@ def largest_offset(
     return low, worst
 
 
-def _least_inside_radius(outlines: Sequence[Contour], signs: Sequence[float]) -> float:
-    least = np.inf
-    for contour, sign in zip(outlines, signs, strict=True):
-        a = contour.starts
-        radius = np.hypot(a["x"] - a["cx"], a["y"] - a["cy"])
-        turned = a["turn"] * sign > 0
+def _least_inside_radius(
+    outlines: Sequence[Contour], signs: Sequence[float]
+) -> Interference | None:
+    best: Interference | None = None
+    for number, (contour, sign) in enumerate(zip(outlines, signs, strict=True)):
+        s = seg.of_rows(contour.starts, contour.ends)
         # Only what is long enough to count when it is left out.
-        s = seg.of_rows(a, contour.ends)
-        inside = radius[turned & (s.length > NEGLIGIBLE_UM)]
-        least = min(least, float(inside.min(initial=np.inf)))
-    return least
+        inside = np.flatnonzero((s.turn * sign > 0) & (s.length > NEGLIGIBLE_UM))
+        if not len(inside):
+            continue
+        k = int(inside[np.argmin(s.radius[inside])])
+        if best is None or s.radius[k] < best.size:
+            x, y = seg.points_at(s.take(inside[:1] * 0 + k), 0.5 * s.length[k : k + 1])
+            best = Interference(
+                "radius", (float(x[0]), float(y[0])), number, k, (k,), float(s.radius[k])
+            )
+    return best

@@ -30,6 +30,8 @@ BESIDE_UM = 0.02
 JOINT_UM = 1.0
 #: A piece that is clear of everything and longer than this must not get lost; um.
 LOST_UM = 0.1
+#: How many pairs of a point and a segment are looked at at once: some 100 MB.
+POINT_PAIRS = 500_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,12 +300,16 @@ def _clearance(source: Source, raw: Raw, element: Ints, at: Floats) -> Floats:
     reach = float(offset.max()) if len(offset) else 0.0
     drawn = pairs.grown(seg.boxes(source.segments), reach)
     result = np.full(len(x), np.inf)
-    step = max(1, 2_000_000 // max(1, len(drawn[0]) // 50 + 16))
-    for a in range(0, len(x), step):
+    # So many points at once that the pairs fit the memory: about POINT_PAIRS of them, by the last.
+    step = 50_000
+    a = 0
+    while a < len(x):
         b = slice(a, a + step)
         i, j = pairs.overlapping((x[b], y[b], x[b], y[b]), drawn)
         d = seg.distances(source.segments.take(j), x[b][i], y[b][i])
         result[b] = pairs.least(d, i, len(x[b]))
+        a += step
+        step = max(100, min(50_000, int(step * POINT_PAIRS / max(1, len(i)))))
     return result - offset
 
 

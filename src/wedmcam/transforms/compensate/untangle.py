@@ -20,6 +20,9 @@ from wedmcam.transforms.compensate.raw import Source
 
 #: Loops longer than this are the drawing's, not its noise; um.
 LOOP_UM = 3.0
+#: Longer ones are noise too when they are thinner than this (two arcs at a cusp); um.
+THIN_UM = 0.05
+THIN_LENGTH_UM = 500.0
 #: Segments looked at after each.
 AHEAD = 6
 #: Nearer to their common vertex than this, neighbours do not cross, they meet; um.
@@ -37,7 +40,9 @@ def untangled(source: Source) -> Source | None:
         i, j = int(c.i[k]), int(c.j[k])
         tail, head = float(s.length[i] - c.at_i[k]), float(c.at_j[k])
         loop = tail + head + float(between[i, j])
-        if loop > LOOP_UM or max(tail, head) < VERTEX_UM:
+        if max(tail, head) < VERTEX_UM:
+            continue
+        if loop > LOOP_UM and not (loop < THIN_LENGTH_UM and _thin(s, i, j, tail, head)):
             continue
         if i not in best or loop > best[i][0]:
             best[i] = (loop, j, float(c.x[k]), float(c.y[k]))
@@ -61,6 +66,14 @@ def untangled(source: Source) -> Source | None:
         x1[i], y1[i], x0[j], y0[j] = x, y, x, y
         part[loop[1:-1]] = 0.0
     return _rebuilt(source, rows, (x0, y0, x1, y1), np.flatnonzero(part))
+
+
+def _thin(s: seg.Segments, i: int, j: int, tail: float, head: float) -> bool:
+    """Return whether the last ``tail`` um of i and the first ``head`` um of j lie on each other."""
+    of, other = np.array([i, j]), np.array([j, i])
+    middle = np.array([float(s.length[i]) - 0.5 * tail, 0.5 * head])
+    x, y = seg.points_at(s.take(of), middle)
+    return bool((seg.distances(s.take(other), x, y) < THIN_UM).all())
 
 
 class _Row(NamedTuple):

@@ -1,0 +1,246 @@
+"""``batch``: many drawings, folders and patterns into a mirrored tree of proven programs.
+
+One bad file never stops the others; what is written does not depend on the number of processes; and
+no item counts as done without a program.
+"""
+
+from __future__ import annotations
+
+import glob
+import itertools
+import json
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wedmcam.cli.files import Failed, write_outputs
+
+if TYPE_CHECKING:
+    from wedmcam.machines import Machine
+    from wedmcam.options import Options
+
+#: Endings of files that a folder is searched for.
+SOURCES = (".dxf",)
+#: Progress is shown when a batch takes longer than this, seconds.
+PATIENCE = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One drawing and where its program goes."""
+
+    source: str
+    output: str
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came of an item: plain data, so that it can cross a process border."""
+
+    item: Item
+    status: int
+    text: str
+    record: dict[str, Any]
+
+
+def find(inputs: Sequence[str], folder: str, ending: str) -> list[Item]:
+    """Return the drawings that files, folders and patterns name, sorted, with their outputs.
+
+    A folder is searched below itself and mirrored; a file or what a pattern matches lies directly
+    in the output folder, below the part of the pattern that has no wildcard.
+
+    Raises:
+        click.UsageError: nothing matched, or two drawings would have one output.
+    """
+    found: dict[str, Path] = {}
+    for name in inputs:
+        place = Path(name)
+        if place.is_dir():
+            base = place
+            files = [
+                p
+                for p in sorted(place.rglob("*"))
+                if p.suffix.lower() in SOURCES and p.is_file() and not _hidden(p, place)
+            ]
+        elif place.exists():
+            base, files = place.parent, [place]
+        else:
+            plain = itertools.takewhile(lambda part: not glob.has_magic(part), place.parts[:-1])
+            base = Path(*plain)
+            files = sorted(Path(p) for p in glob.glob(name, recursive=True) if Path(p).is_file())
+        if not files:
+            raise click.UsageError(f"{name}: no drawing ({', '.join(SOURCES)}) is there")
+        for file in files:
+            found.setdefault(str(file), file.relative_to(base))
+    items = []
+    taken: dict[str, str] = {}
+    for source in sorted(found):
+        output = str(Path(folder) / found[source].with_suffix(ending))
+        if output in taken:
+            raise click.UsageError(
+                f"{source} and {taken[output]} would both become {output}: give their folder"
+            )
+        taken[output] = source
+        if Path(output).resolve() in {Path(s).resolve() for s in found}:
+            raise click.UsageError(f"the output {output} would overwrite an input")
+        items.append(Item(source, output))
+    return items
+
+
+def _hidden(path: Path, base: Path) -> bool:
+    return any(part.startswith(".") for part in path.relative_to(base).parts)
+
+
+def make(item: Item, machine: Machine, options: Options, force_units: bool) -> Outcome:
+    """Compile one drawing and write its program; never raises for what is in the drawing."""
+    from wedmcam import api
+    from wedmcam.diag.render import merged, render
+
+    try:
+        data = Path(item.source).read_bytes()
+    except OSError as why:
+        text = f"{item.source}: cannot be read: {why.strerror}"
+        return Outcome(item, 1, text, _record(item, 1, error=text))
+    try:
+        made = api.compile(
+            data,
+            profile=machine,
+            name=item.source,
+            output_name=item.output,
+            options=replace(options, fill_in_units=not force_units),
+        )
+        text = "\n".join(render(d, item.source) for d in merged(made.findings))
+        if made.ok:
+            assert made.data is not None
+            Path(item.output).parent.mkdir(parents=True, exist_ok=True)
+            write_outputs([(item.output, made.data)])
+        return Outcome(item, made.status, text, _record(item, made.status, made.summary))
+    except (Failed, OSError) as why:
+        text = f"{item.source}: {why}"
+        return Outcome(item, 1, text, _record(item, 1, error=str(why)))
+    except Exception as why:  # a bug of ours must not stop the others
+        text = f"{item.source}: internal error: {type(why).__name__}: {why}"
+        return Outcome(item, 70, text, _record(item, 70, error=text))
+
+
+def _record(
+    item: Item, status: int, summary: dict[str, Any] | None = None, error: str = ""
+) -> dict[str, Any]:
+    record = {**(summary or {}), "input": item.source, "status": status, "ok": status == 0}
+    record["output"] = item.output if status == 0 else None
+    if error:
+        record["error"] = error
+    return record
+
+
+def outcomes(
+    items: Sequence[Item], machine: Machine, options: Options, force_units: bool, jobs: int
+) -> Iterator[Outcome]:
+    """Yield the outcomes in the order of the items, whatever the number of processes."""
+    if jobs == 1 or len(items) < 2:
+        for item in items:
+            yield make(item, machine, options, force_units)
+        return
+    with ProcessPoolExecutor(max_workers=min(jobs, len(items))) as pool:
+        waiting: dict[Future[Outcome], int] = {}
+        done: dict[int, Outcome] = {}
+        upcoming = iter(enumerate(items))
+        following = 0
+        try:
+            while following < len(items):
+                while len(waiting) < 4 * jobs:
+                    step = next(upcoming, None)
+                    if step is None:
+                        break
+                    number, item = step
+                    waiting[pool.submit(make, item, machine, options, force_units)] = number
+                if following not in done:
+                    finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
+                    for future in finished:
+                        number = waiting.pop(future)
+                        done[number] = _result(future, items[number])
+                while following in done:
+                    yield done.pop(following)
+                    following += 1
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _result(future: Future[Outcome], item: Item) -> Outcome:
+    """Return the outcome; a process that died is an internal error of its item."""
+    try:
+        return future.result()
+    except Exception as why:
+        text = f"{item.source}: internal error: the process ended: {why}"
+        return Outcome(item, 70, text, _record(item, 70, error=text))
+
+
+def run(
+    items: Sequence[Item],
+    machine: Machine,
+    options: Options,
+    *,
+    force_units: bool,
+    jobs: int,
+    json_: bool,
+    quiet: bool,
+) -> int:
+    """Make all items; print findings, one JSON line an item if asked, and a summary.
+
+    Returns the largest exit status of the items.
+    """
+    counts: Counter[int] = Counter()
+    codes: Counter[tuple[str, str]] = Counter()
+    failed = []
+    progress = _Progress(len(items))
+    for outcome in outcomes(items, machine, options, force_units, jobs or os.cpu_count() or 1):
+        progress.clear()
+        counts[outcome.status] += 1
+        for finding in outcome.record.get("diagnostics", ()):
+            codes[finding["severity"], finding["code"]] += 1
+        if outcome.text and not (quiet and outcome.status == 0):
+            click.echo(outcome.text, err=True)
+        if outcome.status:
+            failed.append(outcome.item.source)
+        if json_:
+            click.echo(json.dumps(outcome.record, ensure_ascii=False))
+        progress.step()
+    progress.clear()
+    for (severity, code), count in sorted(codes.items()):
+        click.echo(f"  {count:6d} {severity}[{code}]", err=True)
+    click.echo(f"batch: {counts[0]} ok, {len(failed)} failed", err=True)
+    for name in failed:
+        click.echo(f"  failed: {name}", err=True)
+    return max(counts, default=0)
+
+
+class _Progress:
+    """A line that counts, on a terminal, for anything over a second; nothing into a pipe."""
+
+    def __init__(self, total: int) -> None:
+        import time
+
+        self.total, self.done = total, 0
+        self.clock = time.monotonic
+        self.start = self.clock()
+        self.shown = False
+
+    def step(self) -> None:
+        self.done += 1
+        if sys.stderr.isatty() and self.clock() - self.start > PATIENCE:
+            sys.stderr.write(f"\r{self.done} of {self.total}")
+            sys.stderr.flush()
+            self.shown = True
+
+    def clear(self) -> None:
+        if self.shown:
+            sys.stderr.write("\r\x1b[K")
+            self.shown = False

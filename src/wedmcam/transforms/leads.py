@@ -16,7 +16,7 @@ from wedmcam.diag import Diagnostic, Span, error
 from wedmcam.geom import crossings, measure, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
-from wedmcam.geom.segments import Segments
+from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.sketch import ThreadPoint
 
@@ -37,12 +37,16 @@ class Lane:
         outline: what it was made from; None for ``on`` open paths.
         scrap_left: scrap to the left (True) or right of the path; None where there is none (on).
         offset_um: distance between the two.
+        contour: number of the outline; several paths may share one.
+        parent: number of the outline directly around it, -1 for none.
     """
 
     path: Contour
     outline: Contour
     scrap_left: bool | None
     offset_um: float
+    contour: int = 0
+    parent: int = -1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,11 +74,11 @@ def lead(
     found: list[Diagnostic] = []
     served: dict[int, tuple[int, int]] = {}
     spans: dict[int, Span | None] = {}
-    near = _Nearest(lanes)
+    scene = _Scene(lanes)
     for point in threads:
         x, y = (int(v) for v in to_grid([point.x, point.y]))
         place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
-        number, problem = near.serves(x, y)
+        number, problem = _serves(scene, x, y)
         if number is None:
             found.append(
                 error(
@@ -102,86 +106,103 @@ def lead(
             spans[number] = point.span
     if found:
         return None, found
-    result = []
-    for number, lane in enumerate(lanes):
-        if number in served:
-            led = Led(_started(lane.path, served[number]), served[number])
-        else:
-            led = _chosen(lane, lanes, lead_um)
-        result.append(led)
-    found += _collisions(lanes, result, spans)
-    return result, found
+    result = _chosen(scene, [k for k in range(len(lanes)) if k not in served], lead_um)
+    for number, thread in served.items():
+        result[number] = Led(_started(lanes[number].path, thread), thread)
+    ordered = [result[k] for k in range(len(lanes))]
+    return ordered, _collisions(scene, ordered, spans)
+
+
+class _Scene:
+    """All paths as one array of segments, so that a lead is held against all at once."""
+
+    def __init__(self, lanes: Sequence[Lane]) -> None:
+        self.lanes = lanes
+        starts = np.concatenate([p.path.starts for p in lanes])
+        ends = np.concatenate([p.path.ends for p in lanes])
+        self.segments = seg.of_rows(starts, ends)
+        self.boxes = seg.boxes(self.segments)
+        sizes = np.array([len(p.path) for p in lanes])
+        self.lane = np.repeat(np.arange(len(lanes)), sizes)
+        self.first = np.cumsum(sizes) - sizes
+
+    def of(self, lane: int) -> Segments:
+        """Return the segments of one path."""
+        first = int(self.first[lane])
+        return self.segments.take(np.arange(first, first + len(self.lanes[lane].path)))
+
+    def distances(self, x: float, y: float) -> Floats:
+        """Return the distance from a point to each path."""
+        n = len(self.segments)
+        d = seg.distances(self.segments, np.full(n, x), np.full(n, y))
+        return np.minimum.reduceat(d, self.first)
+
+    def hits(self, lines: Segments) -> tuple[Ints, Ints, Floats]:
+        """Return (line, path, distance along the line) of all crossings of lines with paths."""
+        i, j = pairs.overlapping(pairs.grown(seg.boxes(lines), 1e-3), self.boxes)
+        both = Segments(
+            *(
+                np.concatenate([getattr(lines, name), getattr(self.segments, name)])
+                for name in Segments.__slots__
+            )
+        )
+        c = crossings.between(both, i, j + len(lines))
+        return c.i, self.lane[c.j - len(lines)], c.at_i
 
 
 # --- which path a thread point serves ------------------------------------------------------------
 
 
-class _Nearest:
-    """Which path a point serves: the nearest of those that bound the scrap it lies in.
+def _serves(scene: _Scene, x: int, y: int) -> tuple[int | None, str]:
+    """Return the number of the path that (x, y) serves, or None and why.
 
     Scrap lies inside one contour (the innermost around the point) and outside those directly in
-    it; on the far side of any other contour there is material in between.
+    it; on the far side of any other contour there is material in between. Of the paths that bound
+    this scrap the nearest is served.
     """
+    lanes = scene.lanes
+    px, py = np.array([float(x)]), np.array([float(y)])
+    outlines = {p.contour: p for p in lanes if p.scrap_left is not None}
+    around = {c for c, p in outlines.items() if _encloses(p.outline, px, py)}
+    # The innermost around the point is the one that is no parent of another one around it.
+    inner = around - {outlines[c].parent for c in around}
+    home = min(inner, default=-1)
+    candidates = []
+    for k, lane in enumerate(lanes):
+        if lane.scrap_left is None:
+            candidates.append(k)
+            continue
+        # A counter-clockwise outline has its inside to the left.
+        scrap_inside = lane.scrap_left == (measure.area(lane.outline.vertices) > 0)
+        inside_home = home < 0 or _scrap_inside(outlines[home])
+        if (lane.contour == home and scrap_inside) or (
+            lane.contour not in around and lane.parent == home and not scrap_inside and inside_home
+        ):
+            candidates.append(k)
+    if not candidates:
+        return None, "it lies in kept material"
+    distances = scene.distances(float(x), float(y))
+    best = min(candidates, key=lambda k: (float(distances[k]), k))
+    lane = lanes[best]
+    if lane.scrap_left is not None and distances[best] > ROUNDED_UM:
+        s = seg.of_rows(lane.outline.starts, lane.outline.ends)
+        n = len(s)
+        drawn = float(seg.distances(s, np.full(n, float(x)), np.full(n, float(y))).min())
+        if drawn < lane.offset_um - ROUNDED_UM:
+            return None, f"it is only {drawn / 1000:.3f} mm from the contour, within the offset"
+    return best, ""
 
-    def __init__(self, lanes: Sequence[Lane]) -> None:
-        self.lanes = lanes
-        self.paths = [seg.of_rows(p.path.starts, p.path.ends) for p in lanes]
-        self.areas = [abs(measure.area(p.outline.vertices)) for p in lanes]
 
-    def serves(self, x: int, y: int) -> tuple[int | None, str]:
-        """Return the number of the path that (x, y) serves, or None and why."""
-        numbers = range(len(self.lanes))
-        sided = [k for k in numbers if self.lanes[k].scrap_left is not None]
-        px, py = np.array([float(x)]), np.array([float(y)])
-        around = {
-            k for k in sided if bool(measure.contains(self.lanes[k].outline.vertices, px, py)[0])
-        }
-        candidates = [k for k in numbers if k not in sided]
-        if sided:
-            # The innermost contour around the point: the smallest (contours do not cross).
-            home = min(around, key=lambda k: self.areas[k], default=None)
-            for k in sided:
-                scrap_inside = self._scrap_inside(k)
-                if k in around:
-                    if home is not None and self.lanes[k].outline is self.lanes[home].outline:
-                        candidates += [k] if scrap_inside else []
-                elif not scrap_inside and self._directly_in(k, home, around):
-                    candidates.append(k)
-            if home is not None and not self._scrap_inside(home):
-                candidates = [k for k in candidates if k not in sided]
-        if not candidates:
-            return None, "it lies in kept material"
-        distance, best = min((self._distance(self.paths[k], x, y), k) for k in candidates)
-        lane = self.lanes[best]
-        if lane.scrap_left is not None and distance > ROUNDED_UM:
-            s = seg.of_rows(lane.outline.starts, lane.outline.ends)
-            drawn = self._distance(s, x, y)
-            if drawn < lane.offset_um - ROUNDED_UM:
-                return None, f"it is only {drawn / 1000:.3f} mm from the contour, within the offset"
-        return best, ""
+def _scrap_inside(lane: Lane) -> bool:
+    return lane.scrap_left == (measure.area(lane.outline.vertices) > 0)
 
-    def _scrap_inside(self, k: int) -> bool:
-        """Return whether the scrap of path k lies inside its outline."""
-        lane = self.lanes[k]
-        return lane.scrap_left == (measure.area(lane.outline.vertices) > 0)
 
-    def _directly_in(self, k: int, home: int | None, around: set[int]) -> bool:
-        """Return whether contour k lies in ``home`` (None: in nothing) with none in between."""
-        v = self.lanes[k].outline.vertices
-        px, py = v["x"][:1].astype(float), v["y"][:1].astype(float)
-        outer = {
-            m
-            for m in range(len(self.lanes))
-            if self.lanes[m].scrap_left is not None
-            and self.lanes[m].outline is not self.lanes[k].outline
-            and self.areas[m] > self.areas[k]
-            and bool(measure.contains(self.lanes[m].outline.vertices, px, py)[0])
-        }
-        return outer == around
-
-    @staticmethod
-    def _distance(s: Segments, x: int, y: int) -> float:
-        return float(seg.distances(s, np.full(len(s), float(x)), np.full(len(s), float(y))).min())
+def _encloses(outline: Contour, x: Floats, y: Floats) -> bool:
+    v = outline.vertices
+    reach = float(np.hypot(v["x"] - v["cx"], v["y"] - v["cy"]).max()) if v["turn"].any() else 0.0
+    if not v["x"].min() - 2 * reach <= x[0] <= v["x"].max() + 2 * reach:
+        return False
+    return bool(measure.contains(v, x, y)[0])
 
 
 # --- the start of a path -------------------------------------------------------------------------
@@ -236,41 +257,62 @@ def _rotated(path: Contour, s: Segments, row: int, at: float) -> Contour:
     return Contour(rows, True, path.sources)
 
 
-def _chosen(lane: Lane, lanes: Sequence[Lane], lead_um: float) -> Led:
-    """Return a path with a lead that nobody stated (ruling 3)."""
-    path = lane.path
-    v = path.vertices
-    if not path.closed:
-        return _before_open(path, lead_um)
-    s = seg.of_rows(path.starts, path.ends)
-    circle = len(v) == 1
-    inward = measure.area(v) > 0
-    if circle:
-        centre_is_scrap = lane.scrap_left is not None and lane.scrap_left == inward
-        row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
-        if centre_is_scrap:
-            centre = tuple(int(c) for c in to_grid([s.cx[0], s.cy[0]]))
-            other = [p for p in lanes if p is not lane]
-            led = Led(_rotated(path, s, 0, at), (centre[0], centre[1]))
-            if not _crosses(led, other):
-                return led
-    else:
-        middle_x, middle_y = seg.points_at(s, 0.5 * s.length)
-        tied = np.flatnonzero(s.length >= s.length.max() - TIE_UM)
-        # Rounded so that float noise does not decide between left and right.
-        order = np.lexsort((np.round(middle_x[tied], 3), np.round(middle_y[tied], 3)))
-        row = int(tied[order[0]])
-        at = 0.5 * float(s.length[row])
-    started = _rotated(path, s, row, at)
-    one = s.take(np.array([row]))
-    px, py = (float(c[0]) for c in seg.points_at(one, np.array([at])))
-    tx, ty = (float(c[0]) for c in seg.tangents_at(one, np.array([at])))
-    left = lane.scrap_left if lane.scrap_left is not None else not inward
-    nx, ny = (-ty, tx) if left else (ty, -tx)
-    free = _free(px, py, nx, ny, 2.0 * lead_um, lanes)
-    length = min(lead_um, 0.5 * free)
-    tx_, ty_ = (int(c) for c in to_grid([px + nx * length, py + ny * length]))
-    return Led(started, (tx_, ty_))
+def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, Led]:
+    """Return leads that nobody stated (ruling 3)."""
+    result: dict[int, Led] = {}
+    rays: list[tuple[int, Contour, float, float, float, float]] = []
+    centred: dict[int, Led] = {}
+    for number in numbers:
+        lane = scene.lanes[number]
+        path = lane.path
+        if not path.closed:
+            result[number] = _before_open(path, lead_um)
+            continue
+        s = scene.of(number)
+        inward = measure.area(path.vertices) > 0
+        if len(path.vertices) == 1:
+            row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
+            if lane.scrap_left is not None and lane.scrap_left == inward:
+                cx, cy = to_grid([s.cx[0], s.cy[0]]).tolist()
+                centred[number] = Led(_rotated(path, s, 0, at), (cx, cy))
+        else:
+            middle_x, middle_y = seg.points_at(s, 0.5 * s.length)
+            tied = np.flatnonzero(s.length >= s.length.max() - TIE_UM)
+            # Rounded so that float noise does not decide between left and right.
+            order = np.lexsort((np.round(middle_x[tied], 3), np.round(middle_y[tied], 3)))
+            row = int(tied[order[0]])
+            at = 0.5 * float(s.length[row])
+        one = s.take(np.array([row]))
+        px, py = (float(c[0]) for c in seg.points_at(one, np.array([at])))
+        tx, ty = (float(c[0]) for c in seg.tangents_at(one, np.array([at])))
+        left = lane.scrap_left if lane.scrap_left is not None else not inward
+        nx, ny = (-ty, tx) if left else (ty, -tx)
+        rays.append((number, _rotated(path, s, row, at), px, py, nx, ny))
+    if centred:
+        blocked = _blocked(scene, centred)
+        result |= {k: led for k, led in centred.items() if k not in blocked}
+    rays = [ray for ray in rays if ray[0] not in result]
+    free = _free(scene, rays, 2.0 * lead_um)
+    for (number, path, px, py, nx, ny), most in zip(rays, free, strict=True):
+        length = min(lead_um, 0.5 * most)
+        x, y = to_grid([px + nx * length, py + ny * length]).tolist()
+        result[number] = Led(path, (x, y))
+    return result
+
+
+def _blocked(scene: _Scene, leads: dict[int, Led]) -> set[int]:
+    """Return the paths whose lead crosses another path."""
+    numbers = list(leads)
+    lines = _leads_as_lines([leads[k] for k in numbers])
+    i, other, _ = scene.hits(lines)
+    return {numbers[a] for a, b in zip(i.tolist(), other.tolist(), strict=True) if numbers[a] != b}
+
+
+def _leads_as_lines(leads: Sequence[Led]) -> Segments:
+    x1 = np.array([float(item.path.vertices["x"][0]) for item in leads])
+    y1 = np.array([float(item.path.vertices["y"][0]) for item in leads])
+    thread = np.array([item.thread for item in leads], float).reshape(-1, 2)
+    return _lines(thread[:, 0], thread[:, 1], x1, y1)
 
 
 def _before_open(path: Contour, lead_um: float) -> Led:
@@ -282,80 +324,52 @@ def _before_open(path: Contour, lead_um: float) -> Led:
     return Led(path, (x, y))
 
 
-def _free(x: float, y: float, nx: float, ny: float, reach: float, lanes: Sequence[Lane]) -> float:
-    """Return how far a ray from a point of a path runs until it meets a path, at most ``reach``."""
-    start = min(1.0, 0.01 * reach)  # the path that the ray leaves is not met
-    ray = _line(x + nx * start, y + ny * start, x + nx * reach, y + ny * reach)
-    best = reach
-    for lane in lanes:
-        for distance in _hits(ray, lane.path):
-            best = min(best, distance + start)
-    return best
+def _free(
+    scene: _Scene, rays: Sequence[tuple[int, Contour, float, float, float, float]], reach: float
+) -> Floats:
+    """Return how far each ray runs until it meets a path, at most ``reach``."""
+    start = min(1.0, 0.01 * reach)  # the path that a ray leaves is not met
+    x, y, nx, ny = (np.array([ray[k] for ray in rays], float) for k in (2, 3, 4, 5))
+    free = np.full(len(rays), reach)
+    if len(rays) and reach > 0:
+        lines = _lines(x + nx * start, y + ny * start, x + nx * reach, y + ny * reach)
+        i, _, at = scene.hits(lines)
+        np.minimum.at(free, i, at + start)
+    return free
 
 
-def _line(x0: float, y0: float, x1: float, y1: float) -> Segments:
-    z = np.zeros(1)
-    return seg.make(
-        np.array([x0]), np.array([y0]), np.array([x1]), np.array([y1]), z, z, np.zeros(1, np.int8)
-    )
-
-
-def _hits(line: Segments, path: Contour) -> list[float]:
-    """Return at which distances along ``line`` it meets the path."""
-    s = seg.of_rows(path.starts, path.ends)
-    _, j = pairs.overlapping(pairs.grown(seg.boxes(line), 1e-3), seg.boxes(s))
-    if not len(j):
-        return []
-    both = Segments(
-        *(np.concatenate([getattr(line, name), getattr(s, name)[j]]) for name in Segments.__slots__)
-    )
-    k = np.arange(1, len(j) + 1)
-    return [float(a) for a in crossings.between(both, np.zeros(len(j), np.int64), k).at_i]
-
-
-def _crosses(led: Led, lanes: Sequence[Lane]) -> bool:
-    v = led.path.vertices
-    line = _line(led.thread[0], led.thread[1], float(v["x"][0]), float(v["y"][0]))
-    return any(_hits(line, lane.path) for lane in lanes)
+def _lines(x0: Floats, y0: Floats, x1: Floats, y1: Floats) -> Segments:
+    zero = np.zeros(len(x0))
+    return seg.make(x0, y0, x1, y1, zero, zero, np.zeros(len(x0), np.int8))
 
 
 def _collisions(
-    lanes: Sequence[Lane], led: Sequence[Led], spans: dict[int, Span | None]
+    scene: _Scene, led: Sequence[Led], spans: dict[int, Span | None]
 ) -> list[Diagnostic]:
     """Return an error for each lead that meets a path before it arrives."""
-    found = []
-    paths = [p.path for p in lanes]
-    boxes = np.array([measure.extents(p.vertices, p.closed) for p in paths])
-    for number, item in enumerate(led):
-        v = item.path.vertices
-        x0, y0 = (float(c) for c in item.thread)
-        x1, y1 = float(v["x"][0]), float(v["y"][0])
-        length = float(np.hypot(x1 - x0, y1 - y0))
-        if length < 2.0:
-            continue
-        line = _line(x0, y0, x1, y1)
-        near = (boxes[:, 0] <= max(x0, x1) + 1) & (boxes[:, 2] >= min(x0, x1) - 1)
-        near &= (boxes[:, 1] <= max(y0, y1) + 1) & (boxes[:, 3] >= min(y0, y1) - 1)
-        for other in np.flatnonzero(near).tolist():
-            # Its own path it meets where it arrives.
-            margin = 2.0 if other == number else -1.0
-            for at in _hits(line, paths[other]):
-                if at < length - margin:
-                    hx, hy = x0 + (x1 - x0) * at / length, y0 + (y1 - y0) * at / length
-                    what = "its own path before it arrives" if other == number else "another cut"
-                    found.append(
-                        error(
-                            "lead-hits",
-                            f"the lead from ({x0 / 1000:.3f}, {y0 / 1000:.3f}) to "
-                            f"({x1 / 1000:.3f}, {y1 / 1000:.3f}) mm meets {what} at "
-                            f"({hx / 1000:.3f}, {hy / 1000:.3f}) mm",
-                            spans.get(number) or item.path.source_of(0),
-                            points_mm=((hx / 1000, hy / 1000),),
-                            hint="move the thread point, or give one (--start X,Y; a POINT on "
-                            "layer START)"
-                            if number in spans
-                            else "give a thread point (--start X,Y; a POINT on layer START)",
-                        )
-                    )
-                    break
-    return found
+    lines = _leads_as_lines(led)
+    line, path, at = scene.hits(lines)
+    # Its own path it meets where it arrives.
+    margin = np.where(line == path, 2.0, -1.0)
+    early = (at < lines.length[line] - margin) & (lines.length[line] >= 2.0)
+    order = np.lexsort((at[early], line[early]))
+    found: list[tuple[int, Diagnostic]] = []
+    for k in np.flatnonzero(early)[order].tolist():
+        number = int(line[k])
+        if found and found[-1][0] == number:
+            continue  # the first hit of a lead says it
+        share = float(at[k] / lines.length[number])
+        x0, y0, x1, y1 = (float(getattr(lines, n)[number]) for n in ("x0", "y0", "x1", "y1"))
+        hx, hy = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
+        what = "its own path before it arrives" if path[k] == number else "another cut"
+        hint = "give a thread point (--start X,Y; a POINT on layer START)"
+        finding = error(
+            "lead-hits",
+            f"the lead from ({x0 / 1000:.3f}, {y0 / 1000:.3f}) to ({x1 / 1000:.3f}, "
+            f"{y1 / 1000:.3f}) mm meets {what} at ({hx / 1000:.3f}, {hy / 1000:.3f}) mm",
+            spans.get(number) or led[number].path.source_of(0),
+            points_mm=((hx / 1000, hy / 1000),),
+            hint=f"move the thread point, or {hint}" if number in spans else hint,
+        )
+        found.append((number, finding))
+    return [finding for _, finding in found]

@@ -91,7 +91,7 @@ def lanes(
     offset = options.offset_um or 0.0
     if side is Side.ON:
         found: list[Diagnostic] = []
-        paths = [Lane(c, c, None, 0.0) for c in contours]
+        paths = [Lane(c, c, None, 0.0, k, nesting.parents[k]) for k, c in enumerate(contours)]
         of = list(range(len(contours)))
     else:
         shift = shifts(contours, nesting, side, offset)
@@ -103,7 +103,14 @@ def lanes(
             return None, found or [_nothing_left(options)]
         left = side in (Side.LEFT, Side.RIGHT)
         paths = [
-            Lane(p.path, contours[p.outline], None if left else shift[p.outline] > 0, offset)
+            Lane(
+                p.path,
+                contours[p.outline],
+                None if left else shift[p.outline] > 0,
+                offset,
+                p.outline,
+                nesting.parents[p.outline],
+            )
             for p in result.paths
         ]
         of = [p.outline for p in result.paths]

@@ -151,6 +151,8 @@ def compensate(
         if attempt.untangle:
             source = untangled(source) or source
         raw = raw_offset(source, sharp)
+        if raw.tangled and not attempt.untangle:
+            continue
         found = resolve(source, raw, attempt.limits)
         if not len(found.lost):
             break

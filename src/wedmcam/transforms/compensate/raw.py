@@ -78,6 +78,7 @@ class Raw:
         slack: by how much the ends of an element were moved off its line or circle, um.
         bend: by how much the path turns where the element is joined to the following one, radians
             >= 0; 0 where a transition arc stands.
+        tangled: a closed contour does not turn once round in all: it crosses itself.
     """
 
     elements: Segments
@@ -89,6 +90,7 @@ class Raw:
     vanished: Ints
     slack: Floats
     bend: Floats
+    tangled: bool
 
 
 def gather(
@@ -166,7 +168,8 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     k = np.where(has, nxt, 0)
     dot = t1x * t0x[k] + t1y * t0y[k]
     cross = t1x * t0y[k] - t1y * t0x[k]
-    turning = np.abs(np.arctan2(cross, dot))
+    turn = np.where(has, np.arctan2(cross, dot), 0.0)
+    turning = np.abs(turn)
     gx, gy = x0[k] - x1, y0[k] - y1
     gap = np.hypot(gx, gy)
     bow = np.where(arc, 0.125 / np.maximum(radius, POINT_UM), 0.0)
@@ -236,8 +239,26 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     bend = np.concatenate([np.where(meets, turning, 0.0)[alive], none])[order]
     joined, elements = _joints(elements, following, slack, bend)
     return Raw(
-        elements, of, transition, contour, following, joined, np.flatnonzero(vanished), slack, bend
+        elements,
+        of,
+        transition,
+        contour,
+        following,
+        joined,
+        np.flatnonzero(vanished),
+        slack,
+        bend,
+        _tangled(source, turn),
     )
+
+
+def _tangled(source: Source, turn: Floats) -> bool:
+    """Return whether a closed contour's heading does not turn by one whole turn."""
+    s = source.segments
+    total = np.bincount(source.contour, s.sweep * s.turn + turn)
+    is_open = source.following[_last_of_contour(source)] < 0
+    # A contour of no segments does not occur: one is always left.
+    return bool((~is_open & (np.abs(np.abs(total) - seg.TAU) > 0.1)).any())
 
 
 def _last_of_contour(source: Source) -> Ints:

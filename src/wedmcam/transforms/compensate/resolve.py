@@ -172,7 +172,37 @@ def resolve(source: Source, raw: Raw, limits: Limits) -> Loops:
         np.column_stack(mid),
         walls,
     )
-    return _without_slivers(source, raw, found)
+    return _judged(raw, _without_slivers(source, raw, found))
+
+
+def _judged(raw: Raw, found: Loops) -> Loops:
+    """Return the loops, the first pieces of those that do not turn once round marked as lost.
+
+    A loop that crosses itself is wrong, however well its pieces fit together.
+    """
+    if len(found.lost) or not found.loops:
+        return found
+    k = np.concatenate(found.loops)
+    size = np.array([len(loop) for loop in found.loops], np.int64)
+    begin = np.cumsum(size) - size
+    after = np.arange(1, len(k) + 1)
+    after[begin + size - 1] = begin
+    e = raw.elements.take(found.element[k])
+    at0, at1 = found.at0[k], found.at1[k]
+    t0x, t0y = seg.tangents_at(e, at0)
+    t1x, t1y = seg.tangents_at(e, at1)
+    n0x, n0y = t0x[after], t0y[after]
+    turn = np.arctan2(t1x * n0y - t1y * n0x, t1x * n0x + t1y * n0y)
+    arc = np.where(e.turn != 0, (at1 - at0) * e.turn / np.where(e.turn != 0, e.radius, 1.0), 0.0)
+    total = np.abs(np.add.reduceat(arc + turn, begin))
+    # Straight back may be to the left or to the right.
+    back = np.maximum.reduceat(np.abs(turn), begin) > np.pi - 1e-3
+    wrong = np.array(found.closed, bool) & ~back & (np.abs(total - seg.TAU) > 0.1)
+    if not wrong.any():
+        return found
+    lost = k[begin[wrong]]
+    where = np.column_stack([found.node_x[found.node0[lost]], found.node_y[found.node0[lost]]])
+    return replace(found, lost=lost, lost_at=where)
 
 
 def _free(source: Source, raw: Raw, p: _Pieces, which: Ints) -> NDArray[np.bool_]:

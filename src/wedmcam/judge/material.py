@@ -163,7 +163,7 @@ def wrong_side(
     rows = np.concatenate([one[judged], np.flatnonzero(~all_clear[route.cut] & judged[route.cut])])
     if not len(rows):
         return []
-    rows = np.unique(rows)
+    rows = np.flatnonzero(np.bincount(rows))
     held = s.take(rows)
     x, y = points_at(held, held.length / 2.0)
     x, y = np.concatenate([x, held.ax]), np.concatenate([y, held.ay])
@@ -171,7 +171,7 @@ def wrong_side(
     at = np.concatenate([route.at[rows] + held.length / 2.0, route.at[rows]])
     bad = np.flatnonzero(kept.keeps(x, y))
     found = []
-    for c in np.unique(cut[bad]):
+    for c in np.flatnonzero(np.bincount(cut[bad])):
         mine = bad[cut[bad] == c]
         # On the outline parity says nothing; deepest first, then first along the route.
         span = 4.0 * kept.offset + 4.0 * WIDTH
@@ -275,11 +275,11 @@ def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
     if missed:
         segment = np.concatenate([m[0] for m in missed])
         x, y, t = (np.concatenate([m[n] for m in missed]) for n in (1, 2, 3))
-        for c in np.unique(owner[segment]):
+        for c in np.flatnonzero(np.bincount(owner[segment])):
             mine = np.flatnonzero(owner[segment] == c)
             mine = mine[np.lexsort((t[mine], segment[mine]))]
             d, _ = nearest(path, x[mine[:1]], y[mine[:1]], 20.0 * offset + 100.0)
-            share = len(np.unique(segment[mine])) / int((owner == c).sum())
+            share = np.count_nonzero(np.bincount(segment[mine])) / int((owner == c).sum())
             here = mine[0]
             more = float(d[0]) - offset
             missing.append((which_outline[c], share, float(x[here]), float(y[here]), more))

@@ -66,7 +66,7 @@ def track(route: Route, x: Floats, y: Floats, length: Floats, cut: Ints) -> Trac
     at = _anchored(route, x, y, length, cut, first)
     lost: list[tuple[int, float]] = []
     undone = np.isnan(at)
-    for c in np.unique(cut[undone]):
+    for c in np.flatnonzero(np.bincount(cut[undone])):
         low, high = int(first[c]), int(first[c + 1])
         lost.extend(_follow(route, int(c), x, y, length, at, low, high))
     is_end = np.ones(len(x), bool)

@@ -1,0 +1,99 @@
+"""By how much arcs leave the curves that they stand for, measured on its own.
+
+The fit looks at few places and at circles; here both ways are measured, at many places, between the
+curve and the arcs as they are, ends included. What may happen between two places is added: an eighth
+of the second difference there, which is what a parabola rises over its chord.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wedmcam.geom.biarc import Arcs
+from wedmcam.geom.curves import Floats, Ints, Sections
+
+#: Places on each piece, and on each of its arcs for the way back.
+PLACES, BACK = 65, 17
+#: Pieces measured at a time: it bounds the memory.
+CHUNK = 1000
+
+
+def departure(sections: Sections, arcs: Arcs) -> Floats:
+    """Return the largest distance between each piece and its arcs, both ways, um: upper bounds."""
+    out = np.zeros(len(arcs.lo))
+    first = np.searchsorted(arcs.piece, np.arange(len(arcs.lo)))
+    last = np.searchsorted(arcs.piece, np.arange(len(arcs.lo)), side="right") - 1
+    share = np.linspace(0.0, 1.0, PLACES)
+    for at in range(0, len(out), CHUNK):
+        part = np.arange(at, min(at + CHUNK, len(out)))
+        lo, hi = arcs.lo[part], arcs.hi[part]
+        x, y, _, _ = sections.points(
+            arcs.of[part], lo[:, None] + (hi - lo)[:, None] * share[None, :]
+        )
+        one, two = first[part], last[part]
+        there = np.minimum(_distances(arcs, one, x, y), _distances(arcs, two, x, y))
+        back = np.maximum(_back(arcs, one, x, y), _back(arcs, two, x, y))
+        out[part] = np.maximum(_peak(there), back)
+    return out
+
+
+def _peak(d: Floats) -> Floats:
+    """Return the largest value of each row, and what may lie between two of its places."""
+    top = d.max(axis=1)
+    between = np.abs(d[:, 2:] - 2.0 * d[:, 1:-1] + d[:, :-2])
+    near = d[:, 1:-1] >= 0.7 * top[:, None]
+    out: Floats = top + np.where(near, between, 0.0).max(axis=1) / 8.0
+    return out
+
+
+def _angles(arcs: Arcs, k: Ints) -> tuple[Floats, Floats, Floats]:
+    """Return radius, start angle and sweep (> 0, in the arc's own sense)."""
+    radius = np.hypot(arcs.x0[k] - arcs.cx[k], arcs.y0[k] - arcs.cy[k])
+    a = np.arctan2(arcs.y0[k] - arcs.cy[k], arcs.x0[k] - arcs.cx[k])
+    b = np.arctan2(arcs.y1[k] - arcs.cy[k], arcs.x1[k] - arcs.cx[k])
+    return radius, a, np.mod((b - a) * arcs.turn[k], 2.0 * np.pi)
+
+
+def _distances(arcs: Arcs, k: Ints, x: Floats, y: Floats) -> Floats:
+    """Return distances of rows of places from one segment each, ends included."""
+    x0, y0, x1, y1 = (v[k][:, None] for v in (arcs.x0, arcs.y0, arcs.x1, arcs.y1))
+    ends = np.minimum(np.hypot(x - x0, y - y0), np.hypot(x - x1, y - y1))
+    wx, wy = x1 - x0, y1 - y0
+    square = wx * wx + wy * wy
+    along = ((x - x0) * wx + (y - y0) * wy) / np.where(square > 0, square, 1.0)
+    foot = np.clip(along, 0.0, 1.0)
+    line = np.hypot(x - x0 - foot * wx, y - y0 - foot * wy)
+    radius, a, sweep = _angles(arcs, k)
+    cx, cy = arcs.cx[k][:, None], arcs.cy[k][:, None]
+    turn = arcs.turn[k][:, None]
+    at = np.mod((np.arctan2(y - cy, x - cx) - a[:, None]) * turn, 2.0 * np.pi)
+    on = np.abs(np.hypot(x - cx, y - cy) - radius[:, None])
+    round_ = np.where(at <= sweep[:, None], on, ends)
+    return np.where(turn != 0, round_, line)
+
+
+def _back(arcs: Arcs, k: Ints, x: Floats, y: Floats) -> Floats:
+    """Return how far one segment each leaves the chords through rows of places, at most."""
+    share = np.linspace(0.0, 1.0, BACK)
+    radius, a, sweep = _angles(arcs, k)
+    angle = a[:, None] + (sweep * arcs.turn[k])[:, None] * share
+    line = (arcs.turn[k] == 0)[:, None]
+    px = np.where(
+        line,
+        arcs.x0[k][:, None] + (arcs.x1[k] - arcs.x0[k])[:, None] * share,
+        arcs.cx[k][:, None] + radius[:, None] * np.cos(angle),
+    )
+    py = np.where(
+        line,
+        arcs.y0[k][:, None] + (arcs.y1[k] - arcs.y0[k])[:, None] * share,
+        arcs.cy[k][:, None] + radius[:, None] * np.sin(angle),
+    )
+    worst = np.zeros(len(k))
+    wx, wy = np.diff(x, axis=1), np.diff(y, axis=1)
+    square = wx * wx + wy * wy
+    safe = np.where(square > 0, square, 1.0)
+    for j in range(BACK):
+        dx, dy = px[:, j : j + 1] - x[:, :-1], py[:, j : j + 1] - y[:, :-1]
+        foot = np.clip((dx * wx + dy * wy) / safe, 0.0, 1.0)
+        worst = np.maximum(worst, np.hypot(dx - foot * wx, dy - foot * wy).min(axis=1))
+    return worst

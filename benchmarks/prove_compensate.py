@@ -1,7 +1,7 @@
 """How often compensation is right on the hard families of made contours, and by how much it errs.
 
-Run: python benchmarks/prove_compensate.py [--seeds 400] [--first 0] [--family NAME] [--turned]. Each
-case is judged by `oracle.check_offset` (area and loops against Clipper2, every sampled point's
+Run: python benchmarks/prove_compensate.py [--seeds 400] [--first 0] [--family NAME] [--turned].
+Each case is judged by `oracle.check_offset` (area and loops against Clipper2, every sampled point's
 distance). ``--turned`` runs each contour reversed too, and from another start vertex, and asks for
 the same number of loops, area and length.
 """

@@ -213,7 +213,7 @@ def power(x, y):
         s = context.sqrt(x)
         if len(s.normalize().as_tuple().digits) < 40 and int(root) % 4 == 0:
             return rounded(EXACT.power(s, int(root) // 4))
-    return from_mp(lambda a, b: a**b, 110, x, y)
+    return from_mp(lambda a, b: a**b, 8, x, y)
 
 
 def hypotenuse(a, b):

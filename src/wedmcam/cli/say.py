@@ -58,13 +58,12 @@ def say_report(made: Compilation, output: str) -> None:
 
 
 def _size(drawn: Any) -> str:
-    from wedmcam.backends.fit import mm
     from wedmcam.geom import measure
 
     boxes = [measure.extents(c.vertices, c.closed) for c in drawn.contours]
     width = max(b[2] for b in boxes) - min(b[0] for b in boxes)
     height = max(b[3] for b in boxes) - min(b[1] for b in boxes)
-    return f"{mm(round(width))} x {mm(round(height))} mm"
+    return f"{width / 1000:.3f} x {height / 1000:.3f} mm"
 
 
 def proof_line(made: Compilation | Proof) -> str:

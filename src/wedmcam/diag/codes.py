@@ -122,10 +122,36 @@ CODES: dict[str, Code] = {
         "It would never end.",
         "Delete the inner INSERT.",
     ),
-    "unequal-scale": Code(
-        "A block with arcs inserted with different scales in x and y.",
-        "Its arcs are ellipses there; cut as arcs they would have the wrong shape.",
-        "Explode the block in the CAD program, or insert it with one scale.",
+    "approximated": Code(
+        "Splines and ellipses became arcs that are tangent to each other.",
+        "Wire machines know lines and circles only. How far the arcs are from the curves at most is "
+        "measured, and stands in the certificate.",
+        "Nothing; --tolerance sets how near they must be.",
+    ),
+    "spline-circle": Code(
+        "A circle that was exported as splines was recognised: it is within 0.001 mm of one.",
+        "Cut as a circle it needs fewer blocks, and is rounder than the export.",
+        "Nothing.",
+    ),
+    "flat-ellipse": Code(
+        "An ellipse with no width: it runs along a line and back.",
+        "The wire would cut the same line twice.",
+        "Draw a LINE, if that is meant.",
+    ),
+    "coarse-spline": Code(
+        "A spline that arcs cannot follow within the tolerance.",
+        "The part would not be as drawn.",
+        "Look for loops, cusps and folds in it, or allow a larger --tolerance.",
+    ),
+    "fit-points": Code(
+        "A spline of which the file holds only points that it passes through.",
+        "How it runs between them is for each program to choose; it may differ from what is shown.",
+        "Save the drawing with control points.",
+    ),
+    "open-spline": Code(
+        "A spline that is marked as closed and whose ends do not meet.",
+        "Closing it by a guess would add to the part.",
+        "Close it in the CAD program.",
     ),
     "clipped-block": Code(
         "An INSERT with a clipping boundary.",

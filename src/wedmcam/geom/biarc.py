@@ -144,39 +144,42 @@ def _errors(p: Points) -> Floats:
     return np.where(turned, np.inf, error)
 
 
-def fit(sections: Sections, tolerance: float) -> Arcs:
+def fit(sections: Sections, tolerance: Floats, chosen: Ints | None = None) -> Arcs:
     """Return arcs within a tolerance of each section, um, tangent to each other in a section.
 
     Args:
         sections: of curves; in each the curvature keeps its sign, about.
-        tolerance: um; pieces reach 0.98 of it at most where `SAMPLES` places are looked at.
+        tolerance: of each section, um; pieces reach 0.98 of it at most at the `SAMPLES` places
+            that are looked at.
+        chosen: which sections; None for all.
     """
     n = len(sections.lo)
+    assert len(tolerance) == n
     place = np.linspace(0.0, 1.0, SAMPLES)
     lo, end = sections.lo.copy(), sections.hi
     good, bad = lo.copy(), np.full(n, np.inf)
     guess = end.copy()
     tries = np.zeros(n, np.int64)
     best = np.zeros(n)
-    active = np.arange(n)
+    active = np.arange(n) if chosen is None else chosen
     starts: list[Floats] = []
     stops: list[Floats] = []
     owners: list[Ints] = []
     for _ in range(PIECES):
         if not len(active):
             break
-        a, b = lo[active], guess[active]
+        a, b, tol = lo[active], guess[active], tolerance[active]
         p = _unit(sections.points(active, a[:, None] + (b - a)[:, None] * place[None, :]))
         error = _errors(p)
         size = np.hypot(p[0][:, -1] - p[0][:, 0], p[1][:, -1] - p[1][:, 0])
-        ok = (error <= MOST * tolerance) | (size < SHORTEST_UM) & (tries[active] > 3)
+        ok = (error <= MOST * tol) | (size < SHORTEST_UM) & (tries[active] > 3)
         good[active] = np.where(ok, b, good[active])
         best[active] = np.where(ok, error, best[active])
         bad[active] = np.where(ok, bad[active], b)
         tries[active] += 1
         h = b - a
         with np.errstate(all="ignore"):
-            factor = np.cbrt(AIM * tolerance / np.maximum(error, 1e-12 * tolerance))
+            factor = np.cbrt(AIM * tol / np.maximum(error, 1e-12 * tol))
         factor = np.clip(np.where(np.isfinite(error), factor, 0.4), 0.2, 4.0)
         guess[active] = a + h * factor
         g, w = good[active], bad[active]
@@ -187,7 +190,7 @@ def fit(sections: Sections, tolerance: float) -> Arcs:
         guess[active] = next_
         done = (g > a) & (
             (g >= end[active])
-            | (best[active] >= ENOUGH * tolerance)
+            | (best[active] >= ENOUGH * tol)
             | (w - g <= 0.01 * (g - a))
             | (tries[active] >= TRIES)
         )

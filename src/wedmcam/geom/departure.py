@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from wedmcam.geom.biarc import Arcs
+from wedmcam.geom.biarc import Arcs, fit
 from wedmcam.geom.curves import Floats, Ints, Sections
 
 #: Places on each piece, and on each of its arcs for the way back.
 PLACES, BACK = 65, 17
+#: Sections whose fit turns out too coarse are fitted anew, this often at most.
+AGAIN = 5
 #: Pieces measured at a time: it bounds the memory.
 CHUNK = 1000
 
@@ -35,6 +37,57 @@ def departure(sections: Sections, arcs: Arcs) -> Floats:
         back = np.maximum(_back(arcs, one, x, y), _back(arcs, two, x, y))
         out[part] = np.maximum(_peak(there), back)
     return out
+
+
+def certified(sections: Sections, tolerance: Floats) -> tuple[Arcs, Floats]:
+    """Return arcs that are within the tolerance of each section as measured, and their departure.
+
+    Where the fit has overlooked something between its places, it is asked for better. What then
+    still is over the tolerance is for the caller to say.
+    """
+    aim = tolerance.copy()
+    arcs = fit(sections, aim)
+    off = departure(sections, arcs)
+    for _ in range(AGAIN):
+        worst = np.zeros(len(aim))
+        np.maximum.at(worst, arcs.of, off)
+        over = np.flatnonzero(worst > tolerance)
+        if not len(over):
+            break
+        aim[over] *= np.clip(0.98 * tolerance[over] / worst[over], 0.25, 0.98)
+        better = fit(sections, aim, over)
+        arcs, off = _replaced(arcs, off, better, departure(sections, better), over)
+    return arcs, off
+
+
+def _replaced(
+    arcs: Arcs, off: Floats, better: Arcs, better_off: Floats, over: Ints
+) -> tuple[Arcs, Floats]:
+    """Return arcs in which those of the sections ``over`` are replaced."""
+    keep, keep_piece = ~np.isin(arcs.section, over), ~np.isin(arcs.of, over)
+    of = np.concatenate([arcs.of[keep_piece], better.of])
+    order = np.argsort(of, kind="stable")
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    number = np.cumsum(keep_piece) - 1
+    piece = np.concatenate([number[arcs.piece[keep]], better.piece + keep_piece.sum()])
+    piece = rank[piece]
+    by_piece = np.argsort(piece, kind="stable")
+
+    def both(name: str) -> Floats:
+        out: Floats = np.concatenate([getattr(arcs, name)[keep], getattr(better, name)])[by_piece]
+        return out
+
+    made = Arcs(
+        both("section").astype(np.int64),
+        *(both(name) for name in ("x0", "y0", "x1", "y1", "cx", "cy")),
+        both("turn").astype(np.int64),
+        piece[by_piece],
+        np.concatenate([arcs.lo[keep_piece], better.lo])[order],
+        np.concatenate([arcs.hi[keep_piece], better.hi])[order],
+        of[order],
+    )
+    return made, np.concatenate([off[keep_piece], better_off])[order]
 
 
 def _peak(d: Floats) -> Floats:

@@ -15,7 +15,7 @@ Boxes = tuple[Floats, Floats, Floats, Floats]
 
 
 def _strips(low: Floats, high: Floats, bottom: float, height: float) -> tuple[Ints, Ints, Ints]:
-    """Return (item, strip) for each strip that [low, high] of an item touches, and each item's first."""
+    """Return (item, strip) for each strip that [low, high] of an item touches, and first ones."""
     first = ((low - bottom) / height).astype(np.int64)
     count = ((high - bottom) / height).astype(np.int64) - first + 1
     item = np.repeat(np.arange(len(low)), count)
@@ -31,7 +31,7 @@ def expand(low: Ints, high: Ints) -> tuple[Ints, Ints]:
 
 
 def _height(bottom: float, top: float, heights: Floats) -> float:
-    """Return the height of strips: some mean box heights, and not so low that long boxes fill memory."""
+    """Return the height of strips: two boxes, but more where long boxes would fill memory."""
     count = len(heights)
     least = (top - bottom) / (4.0 * np.sqrt(count) + 16.0)
     return max(2.0 * float(heights.mean()), float(least), 1e-9)
@@ -97,7 +97,7 @@ def self_overlapping(a: Boxes) -> tuple[Ints, Ints]:
 
 
 def least(values: Floats, of: Ints, count: int) -> Floats:
-    """Return the least of ``values`` for each of ``count`` items; ``of`` is sorted; inf for none."""
+    """Return the least of ``values`` of each of ``count`` items (``of``, sorted); inf for none."""
     result = np.full(count, np.inf)
     if len(of):
         begin = np.flatnonzero(_changes(of))

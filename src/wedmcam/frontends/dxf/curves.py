@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.geom.biarc import fit
 from wedmcam.geom.curves import STRAIGHT_UM, Beziers, Ellipse, Ellipses, bezier_pieces
-from wedmcam.geom.departure import departure
+from wedmcam.geom.departure import certified
 from wedmcam.geom.rounds import EXACT_UM, MEET_UM, Rounds, circle, rounds, sweep_about
 from wedmcam.ir.sketch import SEGMENT
 
@@ -229,7 +228,7 @@ class Fitted:
         rows: in order of curve; ``source`` is the curve's index.
         error: how far each curve is from its segments at most, um, certified.
         circles: curves that are circles, or make one together.
-        exact: curves that are arcs or lines but for nothing.
+        exact: curves that are circles, arcs or lines but for nothing.
         flat: ellipses without width.
         nothing: curves without length.
         missed: curves whose fit is worse than the tolerance.
@@ -237,15 +236,24 @@ class Fitted:
 
     rows: Rows
     error: Floats
-    circles: list[tuple[int, ...]] = field(default_factory=list)
-    exact: list[int] = field(default_factory=list)
+    circles: list[int] = field(default_factory=list)
+    exact: set[int] = field(default_factory=set)
     flat: list[int] = field(default_factory=list)
     nothing: list[int] = field(default_factory=list)
     missed: list[int] = field(default_factory=list)
 
 
-def segments(curves: Sequence[Curve], tolerance: float) -> Fitted:
-    """Return lines and arcs within a tolerance of curves, um."""
+def segments(
+    curves: Sequence[Curve], tolerances: Sequence[float], frames: Sequence[int]
+) -> Fitted:
+    """Return lines and arcs near to curves.
+
+    Args:
+        curves: of any number of frames; all are fitted at once, which is much faster.
+        tolerances: of each curve, um.
+        frames: to which frame each belongs: curves of different ones have nothing in common.
+    """
+    tolerance = np.array(tolerances, float)
     out = Fitted(np.zeros(0, SEGMENT), np.zeros(len(curves)))
     parts: list[Rows] = []
     splines = [k for k, c in enumerate(curves) if isinstance(c, Spline)]
@@ -261,8 +269,8 @@ def segments(curves: Sequence[Curve], tolerance: float) -> Fitted:
             np.concatenate([c.corner for c in chosen]),
         )
         sets.append((np.array(members), made, rounds(made, len(members))))
-    parts.append(_rounded(curves, sets, min(tolerance, MEET_UM), out))
-    done = {k for group in out.circles for k in group} | set(out.exact)
+    parts.append(_rounded(curves, sets, tolerance, frames, out))
+    done = set(out.exact)
     for which, made, _ in sets:
         parts.append(_of_splines(curves, which, made, tolerance, done, out))
     parts.append(_of_ellipses(curves, tolerance, out))
@@ -298,14 +306,15 @@ def _arc_row(
 def _rounded(
     curves: Sequence[Curve],
     sets: list[tuple[Ints, Beziers, Rounds]],
-    limit: float,
+    tolerance: Floats,
+    frames: Sequence[int],
     out: Fitted,
 ) -> Rows:
     """Take curves that are circles or arcs, and chains of such that make a circle."""
     known: dict[int, tuple[Floats, Floats, float, float, float, float]] = {}
     for which, _, seen in sets:
         for at, k in enumerate(which.tolist()):
-            if seen.error[at] <= limit:
+            if seen.error[at] <= min(tolerance[k], MEET_UM):
                 curve = curves[k]
                 assert isinstance(curve, Spline)
                 x, y = seen.places[at]
@@ -316,15 +325,17 @@ def _rounded(
     order = sorted(known)
     at = 0
     while at < len(order):
-        group = _group(order, at, known)
+        group = _group(order, at, known, frames)
         x = np.concatenate([known[k][0] for k in group])
         y = np.concatenate([known[k][1] for k in group])
         cx, cy, r, error = circle(x, y)
+        limit = min(float(tolerance[group].min()), MEET_UM)
         meets = np.hypot(x[-1] - x[0], y[-1] - y[0]) <= MEET_UM
         sweep = abs(sweep_about(x, y, cx, cy)) if meets and error <= limit else 0.0
         if abs(sweep - 2.0 * np.pi) <= 2.0 * MEET_UM / max(r, 1.0):
             parts.append(_ring_row(cx, cy, r, group[0]))
-            out.circles.append(tuple(group))
+            out.circles += group
+            out.exact.update(group)
             out.error[group] = error * 1.02 + 1e-6
             at += len(group)
             continue
@@ -333,7 +344,7 @@ def _rounded(
         if error <= EXACT_UM and abs(sweep) < 6.0:
             ends = float(px[0]), float(py[0]), float(px[-1]), float(py[-1])
             parts.append(_arc_row(*ends, cx, cy, 1 if sweep > 0 else -1, k))
-            out.exact.append(k)
+            out.exact.add(k)
             out.error[k] = 2.0 * error
         at += 1
     return np.concatenate(parts)
@@ -343,6 +354,7 @@ def _group(
     order: list[int],
     at: int,
     known: dict[int, tuple[Floats, Floats, float, float, float, float]],
+    frames: Sequence[int],
 ) -> list[int]:
     """Return the curves from ``order[at]`` on, each going on where the last ended, up to a turn."""
     group = [order[at]]
@@ -352,6 +364,7 @@ def _group(
         x, y = known[group[-1]][0][-1], known[group[-1]][1][-1]
         nx, ny = known[k][0][0], known[k][1][0]
         follows = k == group[-1] + 1 and np.hypot(nx - x, ny - y) <= MEET_UM
+        follows = follows and frames[k] == frames[group[-1]]
         if not follows or (known[k][4] > 0) != (sweep > 0):
             break
         group.append(k)
@@ -366,13 +379,12 @@ def _of_splines(
     curves: Sequence[Curve],
     which: Ints,
     made: Beziers,
-    tolerance: float,
+    tolerance: Floats,
     done: set[int],
     out: Fitted,
 ) -> Rows:
     """Return the segments of the splines of one degree that are not ``done``."""
-    arcs = fit(made, tolerance)
-    off = departure(made, arcs)
+    arcs, off = certified(made, tolerance[which[made.curve[made.first]]])
     owner = made.curve[made.first[arcs.of]]
     worst = np.zeros(len(which))
     np.maximum.at(worst, owner, off)
@@ -407,7 +419,7 @@ def _of_splines(
     rows["cx"][line] = rows["cy"][line] = 0.0
     only = np.ones(len(which), np.bool_)
     only[local[~line]] = False
-    out.exact += which[only & has & fresh].tolist()
+    out.exact.update(which[only & has & fresh].tolist())
     rows["source"] = which[local]
     return rows
 
@@ -448,7 +460,7 @@ def _meet(rows: Rows, of: Ints) -> None:
 # --- ellipses -------------------------------------------------------------------------------
 
 
-def _of_ellipses(curves: Sequence[Curve], tolerance: float, out: Fitted) -> Rows:
+def _of_ellipses(curves: Sequence[Curve], tolerance: Floats, out: Fitted) -> Rows:
     """Return the segments of the ellipses."""
     parts = [np.zeros(0, SEGMENT)]
     which, chosen = [], []
@@ -462,7 +474,7 @@ def _of_ellipses(curves: Sequence[Curve], tolerance: float, out: Fitted) -> Rows
         elif b < FLAT_UM:
             out.flat.append(k)
         elif abs(a - b) <= ROUND_UM:
-            out.exact.append(k)
+            out.exact.add(k)
             if e.whole:
                 parts.append(_ring_row(e.cx, e.cy, 0.5 * (a + b), k))
             else:
@@ -473,10 +485,10 @@ def _of_ellipses(curves: Sequence[Curve], tolerance: float, out: Fitted) -> Rows
             x, y = float(np.round(e.cx)), float(np.round(e.cy))
             chosen.append((x, y, replace(e, cx=e.cx - x, cy=e.cy - y)))
     made = Ellipses([e for _, _, e in chosen])
-    arcs = fit(made, tolerance)
-    owner = made.curve[arcs.section]
     names = np.array(which, np.int64)
-    np.maximum.at(out.error, names[made.curve[arcs.of]], departure(made, arcs))
+    arcs, off = certified(made, tolerance[names[made.curve]])
+    owner = made.curve[arcs.section]
+    np.maximum.at(out.error, names[made.curve[arcs.of]], off)
     rows = np.zeros(len(arcs.x0), SEGMENT)
     for name in ("x0", "y0", "x1", "y1", "cx", "cy", "turn"):
         rows[name] = getattr(arcs, name)

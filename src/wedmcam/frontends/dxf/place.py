@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import EntityRef
+from wedmcam.frontends.dxf.curves import Curve, Linear, ellipses_of, image, segments
 from wedmcam.frontends.dxf.shapes import Heap, Insert, gather
 from wedmcam.ir.sketch import SEGMENT, ThreadPoint
 
@@ -29,6 +30,8 @@ IDENTITY: Matrix = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 START_RADIUS_UM = 1500.0
 #: Two axes are equally scaled and square to each other within this share.
 SIMILAR = 1e-9
+#: Problems of an entity that is read all the same.
+READ = ("full-arc", "clipped-block", "fit-points", "open-spline")
 #: More copies of blocks, or segments, than this are no part.
 MOST_COPIES, MOST_SEGMENTS = 200_000, 4_000_000
 
@@ -96,6 +99,9 @@ class Placement:
         left_out: likewise what the user's filters leave out.
         no_points: likewise what is on layer START and is no thread point.
         problems: (code, text) -> the entities that have it, each once.
+        approximated: curves that became arcs, by type; `arcs` and `lines` counts them.
+        circles: curves that are circles but for nothing.
+        curve_um: how far a curve is from its arcs at most, um; None where there is no curve.
         too_large: whether copying stopped at a limit.
     """
 
@@ -109,6 +115,12 @@ class Placement:
     problems: dict[tuple[str, str], dict[EntityRef, None]] = field(default_factory=dict)
     dropped: dict[EntityRef, None] = field(default_factory=dict)
     widths: dict[EntityRef, None] = field(default_factory=dict)
+    approximated: Counter[str] = field(default_factory=Counter)
+    arcs: int = 0
+    lines: int = 0
+    stretched: dict[EntityRef, None] = field(default_factory=dict)
+    circles: dict[EntityRef, None] = field(default_factory=dict)
+    curve_um: float | None = None
     too_large: EntityRef | None = None
 
     def problem(self, code: str, text: str, ref: EntityRef) -> None:
@@ -128,23 +140,59 @@ class _Copy:
     hidden: bool
 
 
-@dataclass(slots=True)
-class _Batch:
-    """The copies of one heap: all are transformed at once."""
+@dataclass(slots=True, eq=False)
+class _Variant:
+    """The segments of a heap for copies of one size: its curves are arcs here.
+
+    Attributes:
+        segments: ``source`` indexes the heap's entities.
+        used: the entities that have segments.
+        rank: for each segment the index of its entity in ``used``.
+        curves: the entities that were curves: error in um of the part, and whether the entity is
+            arcs or lines but for nothing.
+        stretched: the entities that were arcs and are ellipses here.
+        circles: the entities that are circles, or make one together.
+        problems: (code, entity).
+    """
+
+    segments: Rows
+    used: NDArray[np.int64]
+    rank: NDArray[np.int64]
+    curves: dict[int, tuple[float, bool]]
+    stretched: set[int]
+    circles: list[int]
+    problems: list[tuple[str, int]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Wanted:
+    """A heap whose copies are ``size`` times as large, or its image under an unequal scale.
+
+    With ``linear`` the image is made before the curves become arcs, and is only moved afterwards.
+    """
 
     heap: Heap
+    size: float
+    linear: Linear | None
+
+
+@dataclass(slots=True)
+class _Batch:
+    """The copies of one variant: all are transformed at once."""
+
+    variant: _Variant
     matrices: list[Matrix] = field(default_factory=list)
     first: list[int] = field(default_factory=list)
     keep: list[NDArray[np.bool_] | None] = field(default_factory=list)
 
     def rows(self, scale: float) -> Rows:
         """Return the segments of all copies."""
-        segments = self.heap.segments
+        segments = self.variant.segments
         if self.matrices == [IDENTITY]:
             out = segments.copy()
         else:
             out = _transformed(segments, np.array(self.matrices), scale)
-        out["source"] = (np.array(self.first)[:, None] + self.heap.rank).ravel()
+        out["source"] = (np.array(self.first)[:, None] + self.variant.rank).ravel()
         if all(k is None for k in self.keep):
             return out
         whole = np.ones(len(segments), np.bool_)
@@ -155,8 +203,13 @@ class _Batch:
 class Placer:
     """Puts heaps where they belong; `placed` holds the result."""
 
-    def __init__(self, doc: Any, scale: float, layers: Layers, file: str) -> None:
+    def __init__(
+        self, doc: Any, scale: float, layers: Layers, file: str, tolerance: float = 1.0
+    ) -> None:
         self._doc, self._scale, self._layers, self._file = doc, scale, layers, file
+        self._tolerance = tolerance
+        self._wanted: dict[tuple[int, Any], _Wanted] = {}
+        self._copied: list[tuple[_Copy, list[Fate], tuple[int, Any], Matrix]] = []
         self._blocks: dict[str, tuple[Heap, float, float] | None] = {}
         self._batches: dict[int, _Batch] = {}
         self._copies = 0
@@ -170,6 +223,10 @@ class Placer:
             copy = stack.pop()
             self._put(copy)
             stack += reversed(list(self._inserted(copy)))
+        made = _fitted(self._wanted, self._tolerance)
+        for copy, fates, key, matrix in self._copied:
+            if self.placed.too_large is None:
+                self._take(copy, fates, made[key], matrix)
 
     def _ref(self, copy: _Copy, at: int) -> EntityRef:
         kind, handle, layer = copy.heap.entities[at]
@@ -189,7 +246,7 @@ class Placer:
         out, heap = self.placed, copy.heap
         fates = self._fates(copy)
         blocks = {i.entity for i in heap.inserts}
-        bad = {p.entity for p in heap.problems if p.code not in ("full-arc", "clipped-block")}
+        bad = {p.entity for p in heap.problems if p.code not in READ}
         books = {Fate.CUT: out.cut, Fate.HIDDEN: out.hidden, Fate.LEFT_OUT: out.left_out}
         points = {p[0] for p in heap.points}
         for at, (kind, _, layer) in enumerate(heap.entities):
@@ -218,34 +275,76 @@ class Placer:
                 out.widths.setdefault(self._ref(copy, at))
         if Fate.START in fates:
             self._thread_points(copy, fates)
-        if not len(heap.segments):
+        if not len(heap.segments) and not heap.curves:
             return
+        if not any(f is Fate.CUT for f in fates):
+            return
+        m: Matrix = copy.matrix
+        key: Any = None
+        linear: Linear | None = None
+        curved = bool(heap.curves) or bool((heap.segments["turn"] != 0).any())
+        if curved and not _similar(m):
+            linear = key = m[:4]
+            m = (1.0, 0.0, 0.0, 1.0, m[4], m[5])
+        elif heap.curves:
+            key = _finer(float(np.hypot(m[0], m[1])))
+        where = id(heap), key
+        if where not in self._wanted:
+            self._wanted[where] = _Wanted(heap, 1.0 if linear else key or 1.0, linear)
+        self._copied.append((copy, fates, where, m))
+
+    def _take(self, copy: _Copy, fates: list[Fate], variant: _Variant, matrix: Matrix) -> None:
+        """Put the segments of a copy where they belong."""
+        out = self.placed
+        self._report(copy, variant, fates)
         keep = None
         if any(f is not Fate.CUT for f in fates):
-            keep = np.array([f is Fate.CUT for f in fates])[heap.segments["source"]]
+            keep = np.array([f is Fate.CUT for f in fates])[variant.segments["source"]]
             if not keep.any():
                 return
-        if heap.curved and not _similar(copy.matrix):
-            out.problem("unequal-scale", "", self._via_ref(copy))
+        if not len(variant.segments):
             return
-        batch = self._batches.setdefault(id(heap), _Batch(heap))
-        batch.matrices.append(copy.matrix)
+        batch = self._batches.setdefault(id(variant), _Batch(variant))
+        batch.matrices.append(matrix)
         batch.first.append(len(out.sources))
         batch.keep.append(keep)
-        out.sources += [self._ref(copy, at) for at in heap.used.tolist()]
-        self._segments += len(heap.segments)
+        out.sources += [self._ref(copy, at) for at in variant.used.tolist()]
+        self._segments += len(variant.segments)
         if self._segments > MOST_SEGMENTS:
-            out.too_large = self._ref(copy, int(heap.used[0]))
+            out.too_large = self._ref(copy, int(variant.used[0]))
+
+    def _report(self, copy: _Copy, variant: _Variant, fates: list[Fate]) -> None:
+        """Take over what was found in making a copy's curves arcs."""
+        out = self.placed
+        for code, at in variant.problems:
+            if fates[at] is Fate.CUT:
+                ref = self._ref(copy, at)
+                if code == "zero-length":
+                    out.dropped.setdefault(ref)
+                else:
+                    out.problem(code, "", ref)
+        for at in variant.circles:
+            if fates[at] is Fate.CUT:
+                out.circles.setdefault(self._ref(copy, at))
+        rows = variant.segments
+        for at, (error, exact) in variant.curves.items():
+            if fates[at] is not Fate.CUT:
+                continue
+            out.curve_um = max(out.curve_um or 0.0, error)
+            if exact:
+                continue
+            if at in variant.stretched:
+                out.stretched.setdefault(self._ref(copy, at))
+            out.approximated[copy.heap.entities[at][0]] += 1
+            mine = rows["turn"][rows["source"] == at] != 0
+            out.arcs += int(mine.sum())
+            out.lines += int((~mine).sum())
 
     def rows(self) -> Rows:
         """Return all segments, um, copies of a block together; ``source`` as in `placed`."""
         parts = [np.zeros(0, SEGMENT)]
         parts += [b.rows(self._scale) for b in self._batches.values()]
         return np.concatenate(parts)
-
-    def _via_ref(self, copy: _Copy) -> EntityRef:
-        """Return the INSERT that made a copy."""
-        return EntityRef(self._file, copy.via[-1], "INSERT", copy.layer, copy.via[:-1])
 
     def _thread_points(self, copy: _Copy, fates: list[Fate]) -> None:
         """Take points and small circles on layer START."""
@@ -317,6 +416,83 @@ class Placer:
                 x, y, _ = layout.block.dxf.get("base_point", (0.0, 0.0, 0.0))
                 self._blocks[key] = gather(layout, self._scale), x, y
         return self._blocks[key]
+
+
+def _finer(size: float) -> float:
+    """Return a scale, rounded up so that copies of many sizes share few fits.
+
+    >>> _finer(1.0), _finer(0.5), 3.0 <= _finer(3.0) < 3.6
+    (1.0, 0.5, True)
+    """
+    if not 0 < size < 1e12:
+        return 1.0
+    return float(2.0 ** (np.ceil(4.0 * np.log2(size) - 1e-9) / 4.0))
+
+
+def _fitted(
+    wanted: dict[tuple[int, Any], _Wanted], tolerance: float
+) -> dict[tuple[int, Any], _Variant]:
+    """Return the segments of every variant that is wanted; ``tolerance`` in the part, um.
+
+    All curves of a drawing are fitted in one go.
+    """
+    curves: list[tuple[int, Curve]] = []
+    tolerances: list[float] = []
+    frames: list[int] = []
+    parts: list[tuple[Rows, set[int]]] = []
+    for frame, want in enumerate(wanted.values()):
+        rows = want.heap.segments
+        mine: list[tuple[int, Curve]] = list(want.heap.curves)
+        stretched: set[int] = set()
+        if want.linear is not None:
+            linear = want.linear
+            arc = rows["turn"] != 0
+            stretched = set(rows["source"][arc].tolist())
+            arcs = zip(rows["source"][arc].tolist(), ellipses_of(rows[arc]), strict=True)
+            mine = sorted(((at, image(c, linear)) for at, c in [*mine, *arcs]), key=lambda p: p[0])
+            rows = _transformed(rows[~arc], np.array([[*linear, 0.0, 0.0]]), 1.0)
+        curves += mine
+        tolerances += [tolerance / want.size] * len(mine)
+        frames += [frame] * len(mine)
+        parts.append((rows, stretched))
+    got = segments([c for _, c in curves], tolerances, frames) if curves else None
+    frame_of = np.array(frames, np.int64)
+    entity = np.array([at for at, _ in curves], np.int64)
+    out: dict[tuple[int, Any], _Variant] = {}
+    for frame, (key, want) in enumerate(wanted.items()):
+        rows, stretched = parts[frame]
+        first, last = np.searchsorted(frame_of, [frame, frame + 1]).tolist()
+        if got is None or first == last:
+            out[key] = _variant_of(rows, stretched)
+            continue
+        a, b = np.searchsorted(got.rows["source"], [first, last]).tolist()
+        more = got.rows[a:b].copy()
+        more["source"] = entity[more["source"]]
+        rows = np.concatenate([rows, more])
+        rows = rows[np.argsort(rows["source"], kind="stable")]
+        variant = out[key] = _variant_of(rows, stretched)
+        for k in range(first, last):
+            at = int(entity[k])
+            error, exact = variant.curves.get(at, (0.0, True))
+            error = max(error, float(got.error[k]) * want.size)
+            variant.curves[at] = error, exact and k in got.exact
+    if got is not None:
+        variants = list(out.values())
+        for code, which in (
+            ("flat-ellipse", got.flat),
+            ("coarse-spline", got.missed),
+            ("zero-length", got.nothing),
+        ):
+            for k in which:
+                variants[frames[k]].problems.append((code, int(entity[k])))
+        for k in got.circles:
+            variants[frames[k]].circles.append(int(entity[k]))
+    return out
+
+
+def _variant_of(rows: Rows, stretched: set[int]) -> _Variant:
+    used, rank = np.unique(rows["source"], return_inverse=True)
+    return _Variant(rows, used, rank.astype(np.int64), {}, stretched, [], [])
 
 
 def _grid(insert: Insert) -> Iterator[tuple[int, int]]:

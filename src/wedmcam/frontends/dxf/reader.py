@@ -37,12 +37,14 @@ class DxfOptions:
         fill_in_units: ``units`` only stands in where the drawing says none (``batch``).
         layers: patterns (``*``, ``?``, any case) of layers to take; none: all.
         ignore_layers: patterns of layers to leave out; they win.
+        tolerance_um: how far the arcs that splines and ellipses become may be from them.
     """
 
     units: str | None = None
     fill_in_units: bool = False
     layers: tuple[str, ...] = ()
     ignore_layers: tuple[str, ...] = ()
+    tolerance_um: float = 1.0
 
 
 def read(
@@ -63,6 +65,7 @@ def read(
     """
     options = options or DxfOptions()
     assert options.units is None or options.units in units.ASKED, options.units
+    assert options.tolerance_um > 0, options.tolerance_um
     loaded, found_loading = load(data, file)
     if loaded is None:
         return None, found_loading
@@ -74,11 +77,12 @@ def read(
     found += said
     layers = Layers(loaded.doc.layers, options.layers, options.ignore_layers)
     # Without units the size is still wanted, in drawing units: 1000 um each, printed as mm.
-    placer = Placer(loaded.doc, unit.scale or 1000.0, layers, file)
+    placer = Placer(loaded.doc, unit.scale or 1000.0, layers, file, options.tolerance_um)
     placer.place(gather(loaded.doc.modelspace(), unit.scale or 1000.0))
     placed = placer.placed
     rows = _finite(placer.rows(), placed)
     found += _problems(placed)
+    found += _curves(placed, options, file)
     found += _said(placed, _paper_space(loaded.doc), file)
     if not len(rows) and not has_errors(found):
         found.append(_empty(placed, loaded.doc, options, file))
@@ -148,10 +152,26 @@ _SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
         "bind external references before exporting",
     ),
     "block-cycle": (error, "block inserts itself: {text}", None),
-    "unequal-scale": (
+    "flat-ellipse": (
         error,
-        "{n} with different scales in x and y, of a block with arcs",
-        "explode the block in the CAD program",
+        "{n} so flat that it is a line there and back",
+        "draw a LINE, if that is meant",
+    ),
+    "coarse-spline": (
+        error,
+        "{n} that arcs cannot follow within the tolerance",
+        "a larger --tolerance, or look for loops and cusps in it",
+    ),
+    "fit-points": (
+        warning,
+        "{n} with fit points only: the curve between them is not in the file, and was computed "
+        "as the cubic that CAD programs draw",
+        "save it with control points",
+    ),
+    "open-spline": (
+        warning,
+        "{n} marked as closed whose ends do not meet: taken as open",
+        "close it in the CAD program",
     ),
     "clipped-block": (
         warning,
@@ -180,6 +200,29 @@ def _problems(placed: Placement) -> list[Diagnostic]:
     if placed.too_large is not None:
         text = "blocks inserted in blocks come to millions of segments; reading stopped"
         found.append(error("too-large", text, placed.too_large))
+    return found
+
+
+def _curves(placed: Placement, options: DxfOptions, file: str) -> list[Diagnostic]:
+    """Return the notes about curves that are arcs now."""
+    where = FileSpan(file)
+    found = []
+    total = placed.approximated.total()
+    if total:
+        named = ", ".join(f"{n} {kind}" for kind, n in sorted(placed.approximated.items()))
+        lines = f" and {placed.lines} lines" if placed.lines else ""
+        text = (
+            f"{named} became {placed.arcs} arcs{lines}, at most {placed.curve_um or 0.0:.2f} um "
+            f"from them (tolerance {options.tolerance_um:.2f} um)"
+        )
+        if placed.stretched:
+            text += f"; {len(placed.stretched)} by different scales in x and y of a block"
+        hint = "--tolerance sets how far they may be"
+        found.append(note("approximated", text, where, hint=hint, count=total))
+    if placed.circles:
+        spans = list(placed.circles)
+        text = f"{len(spans)} SPLINE within 0.001 mm of circles: taken as circles"
+        found.append(note("spline-circle", text + _handles(spans), spans[0], count=len(spans)))
     return found
 
 
@@ -278,6 +321,8 @@ def _info(loaded: Loaded, placed: Placement, unit: units.Unit) -> SketchInfo:
         extra["$INSUNITS"] = loaded.header.insunits
     if loaded.header.measurement is not None:
         extra["$MEASUREMENT"] = loaded.header.measurement
+    if placed.curve_um is not None:
+        extra["spline_um"] = round(placed.curve_um + 5e-4, 3)
     return SketchInfo(
         units=unit.name,
         units_from=unit.stated_by,

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.frontends.dxf.curves import Curve, CurveError, of_ellipse, of_spline
 from wedmcam.ir.sketch import SEGMENT
 
 Floats = NDArray[np.float64]
@@ -41,8 +42,8 @@ ABSURD_BULGE = 1e5
 #: Coordinates beyond this, um (1000 km), are no part.
 FARTHEST_UM = 1e12
 
-#: Splines and ellipses are contours that cannot be read yet: leaving them out would be wrong.
-UNSUPPORTED = frozenset({"SPLINE", "ELLIPSE", "HELIX"})
+#: Contours that cannot be read: leaving them out would be wrong.
+UNSUPPORTED = frozenset({"HELIX"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +84,9 @@ class Heap:
         inserts: block references.
         points: (entity, x, y) of POINT entities, um.
         problems: what is wrong.
-        segments: filled by `finish`; ``source`` indexes ``entities``.
-        used: the entities that have segments.
-        rank: for each segment the index of its entity in ``used``.
-        curved: whether there are arcs.
+        segments: lines and arcs; ``source`` indexes ``entities``.
+        curves: (entity, curve) of splines and ellipses, um; they become segments where it is known
+            how large they are.
         dropped: entities without length that were dropped.
         widths: polylines with a width.
     """
@@ -99,9 +99,7 @@ class Heap:
     points: list[tuple[int, float, float]] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
     segments: Rows = field(default_factory=lambda: np.zeros(0, SEGMENT))
-    used: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    rank: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    curved: bool = False
+    curves: list[tuple[int, Curve]] = field(default_factory=list)
     dropped: list[int] = field(default_factory=list)
     widths: list[int] = field(default_factory=list)
     lines: list[tuple[float, ...]] = field(default_factory=list)
@@ -148,13 +146,12 @@ def gather(entities: Any, scale: float) -> Heap:
             heap.invisible.add(at)
         try:
             to(heap, at, entity, dxf)
+        except CurveError as why:
+            heap.problem(why.code, at, str(why))
         except (DXFError, AttributeError, KeyError, ValueError, TypeError, IndexError) as why:
             # ezdxf raises these for attributes that an entity must have and has not.
             heap.problem("damaged-drawing", at, str(why) or type(why).__name__)
     heap.segments = _segments(heap)
-    heap.used, rank = np.unique(heap.segments["source"], return_inverse=True)
-    heap.rank = rank.astype(np.int64)
-    heap.curved = bool((heap.segments["turn"] != 0).any())
     return heap
 
 
@@ -249,6 +246,34 @@ def _polyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     heap.polyline_of.append((at, bool(entity.is_closed), flip))
 
 
+def _ellipse(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    flip = _flip(heap, at, dxf)
+    if flip is None:
+        return
+    if abs(dxf.major_axis[2]) * heap.scale > LEVEL_UM:
+        heap.problem("tilted", at)
+        return
+    curve, equal = of_ellipse(dxf, heap.scale, flip)
+    if equal:
+        heap.problem("full-arc", at)
+    if not max(abs(v) for v in (curve.cx, curve.cy, curve.ux, curve.uy)) <= FARTHEST_UM:
+        heap.problem("bad-number", at)
+        return
+    heap.curves.append((at, curve))
+
+
+def _spline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    curve, odd = of_spline(entity, heap.scale)
+    for code in odd:
+        heap.problem(code, at)
+    if curve is None:
+        heap.dropped.append(at)
+    elif not max(np.abs(curve.pieces).max(), abs(curve.x), abs(curve.y)) <= FARTHEST_UM:
+        heap.problem("bad-number", at)
+    else:
+        heap.curves.append((at, curve))
+
+
 def _point(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     x, y, _ = dxf.location
     heap.points.append((at, x * heap.scale, y * heap.scale))
@@ -281,6 +306,8 @@ CONVERTERS: dict[str, Callable[[Heap, int, Entity, Entity], None]] = {
     "CIRCLE": _circle,
     "LWPOLYLINE": _lwpolyline,
     "POLYLINE": _polyline,
+    "SPLINE": _spline,
+    "ELLIPSE": _ellipse,
     "POINT": _point,
     "INSERT": _insert,
 }

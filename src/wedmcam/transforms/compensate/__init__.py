@@ -12,7 +12,7 @@ Three steps, a module each: ``raw`` shifts, ``resolve`` cuts, judges and stitche
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,6 +157,8 @@ def compensate(
         if not len(found.lost):
             break
     else:
+        if len(outlines) > 1:
+            return _without_conflicts(outlines, shifts, arithmetic, sharp)
         return Compensated((), (), 0), [_unresolved(outlines, source, raw, found)]
     runs = _runs(found)
     every = _paths(outlines, arithmetic, source, raw, found, runs)
@@ -168,6 +170,60 @@ def compensate(
     paths = tuple(every[k] for k in kept)
     pockets = tuple(every[k] for k in np.flatnonzero(backwards).tolist())
     return Compensated(paths, interference, _inner_corners(source, raw), pockets), []
+
+
+def _without_conflicts(
+    outlines: Sequence[Contour], shifts: Sequence[float], arithmetic: Arithmetic, sharp: bool
+) -> tuple[Compensated, list[Diagnostic]]:
+    """Leave out contours whose wire would run into what another one keeps.
+
+    Where the wire of a contour comes nearer than the offset to an outline whose own wire runs on
+    the far side (the outside of a punch beside a hole in it), no path leads round: the contour has
+    none, and that is interference.
+    """
+    source = gather(outlines, shifts)
+    raw = raw_offset(source, sharp)
+    found = resolve(source, raw, Limits())
+    lost = raw.contour[found.element[found.lost]]
+    bad = np.unique(lost)
+    good = np.setdiff1d(np.arange(len(outlines)), bad).tolist()
+    if not len(bad):  # lost only in a later attempt, or the contours cross
+        return Compensated((), (), 0), [_crossing(outlines)]
+    alone = [compensate([outlines[k]], [shifts[k]], sharp=sharp)[1] for k in bad.tolist()]
+    problems = [p for found_alone in alone for p in found_alone]
+    rest, more = compensate(
+        [outlines[k] for k in good], [shifts[k] for k in good], arithmetic=arithmetic, sharp=sharp
+    )
+    if problems or more:
+        return Compensated((), (), 0), problems + more
+    interference = [replace(i, outline=good[i.outline]) for i in rest.interference]
+    for number in bad.tolist():
+        k = int(np.flatnonzero(lost == number)[0])
+        x, y = found.lost_at[k] + np.array(source.origin)
+        row = int(source.row[raw.source[found.element[found.lost[k]]]])
+        rows = tuple(range(len(outlines[number])))
+        length = float(source.segments.length[source.contour == number].sum())
+        interference.append(
+            Interference("neighbour", (float(x), float(y)), number, row, rows, length)
+        )
+    interference.sort(key=lambda i: (i.outline, i.row, i.kind, i.at))
+    paths, pockets = (
+        tuple(WirePath(p.path, good[p.outline], tuple(good[k] for k in p.outlines)) for p in group)
+        for group in (rest.paths, rest.pockets)
+    )
+    return Compensated(paths, tuple(interference), rest.inner_corners, pockets), []
+
+
+def _crossing(outlines: Sequence[Contour]) -> Diagnostic:
+    x, y = (float(outlines[0].vertices[name][0]) / 1000 for name in ("x", "y"))
+    return error(
+        "offset-unresolved",
+        f"the offsets of {len(outlines)} contours, the first at ({x:.3f}, {y:.3f}) mm, could not "
+        f"be resolved together",
+        outlines[0].source_of(0),
+        points_mm=((x, y),),
+        hint="do these contours cross each other?",
+    )
 
 
 def _unresolved(outlines: Sequence[Contour], source: Source, raw: Raw, found: Loops) -> Diagnostic:
@@ -314,7 +370,7 @@ def largest_offset(
             high = step
     if worst is None:
         return (limit_um, None) if limit is None else (top, limit)
-    while high - low > 0.05:
+    while high - low > 0.02:
         middle = 0.5 * (low + high)
         found = trouble(middle)
         if found is None:

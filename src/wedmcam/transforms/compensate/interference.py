@@ -96,14 +96,13 @@ class _Reach:
             stretch[k:end] = stretch[last] if end <= last else n + k
         return stretch
 
-    def between(self, a: Ints, b: Ints, all_round: Bools) -> tuple[Ints, Ints]:
+    def between(self, a: Ints, b: Ints) -> tuple[Ints, Ints]:
         """Return how many segments strictly between a and b matter, and how many are reached.
 
-        all_round: where a == b means once round the contour.
+        Where a == b that is once round the contour.
         """
         first, count = self.first[a], self.count[a]
         steps = np.mod(b - a - 1, count)
-        steps = np.where((a == b) & ~all_round, 0, steps)
         start = first + np.mod(a - first + 1, count)
         end = start + steps
         over = np.maximum(end - first - count, 0)
@@ -136,22 +135,24 @@ def find_interference(
     reach = _Reach(source, raw, element)
     size = np.array([len(k) for k in runs], np.int64)
     last = np.cumsum(size) - 1
-    nxt = np.append(element[1:], -1)
+    nxt: Ints = np.append(element[1:], -1)
     after = np.append(pieces[1:], -1)
     for_closed = np.array(closed, bool)
     nxt[last] = np.where(for_closed, element[last - size + 1], -1)
     after[last] = pieces[last - size + 1]
-    jump = np.flatnonzero((nxt >= 0) & (raw.following[element] != nxt) & (element != nxt))
+    skips = source.following[raw.source] != np.roll(raw.source, -1)
+    apart = (raw.following[element] != nxt) | (skips[element] & ~raw.transition[element])
+    jump = np.flatnonzero((nxt >= 0) & apart & (element != nxt))
     e, f = element[jump], nxt[jump]
     node = found.node0[after[jump]]
-    a, b = raw.source[e], raw.source[f]
+    a, b = raw.source[e], _entered(source, raw, f)
     same = raw.contour[e] == raw.contour[f]
-    matter, seen = reach.between(a, np.where(same, b, a), raw.transition[e] | ~raw.transition[f])
+    matter, seen = reach.between(a, np.where(same, b, a))
     wanted = np.flatnonzero(~same | (matter > 0))
     result = _findings(source, raw, found, reach, e[wanted], f[wanted], node[wanted], seen[wanted])
     loops = np.zeros(len(outlines), np.int64)
-    for k in runs:
-        loops[np.unique(raw.contour[found.element[k]])] += 1
+    for run in runs:
+        loops[np.unique(raw.contour[found.element[run]])] += 1
     result += [_vanished(source, number) for number in np.flatnonzero(loops == 0).tolist()]
     covered = np.zeros(n, bool)
     index = (
@@ -171,6 +172,12 @@ def find_interference(
             group = np.flatnonzero((reach.stretch == reach.stretch[k]) & reach.lost)
             covered[group] = True
             result.append(_passage(source, reach, group, None))
+    opened = {
+        int(raw.contour[found.element[k[0]]]) for k, c in zip(runs, closed, strict=True) if not c
+    }
+    for number, contour in enumerate(outlines):
+        if not contour.closed and loops[number] and number not in opened:
+            result.append(_cut_off(source, number))
     named = {item.outline for item in result}
     for number in np.flatnonzero(loops > 1).tolist():
         if number not in named:
@@ -180,11 +187,19 @@ def find_interference(
     return tuple(sorted(result, key=lambda i: (i.outline, i.row, i.kind, i.at)))
 
 
+def _entered(source: Source, raw: Raw, f: Ints) -> Ints:
+    """Return the drawn segment that a path has before it when it enters elements f.
+
+    A transition arc belongs to the segment before its corner, which the path does not reach then.
+    """
+    return np.where(raw.transition[f], source.following[raw.source[f]], raw.source[f])
+
+
 def _findings(
     source: Source, raw: Raw, found: Loops, reach: _Reach, e: Ints, f: Ints, node: Ints, seen: Ints
 ) -> list[Interference]:
     """Return one finding for each set of jumps that share a crossing or a left-out stretch."""
-    a, b = raw.source[e], raw.source[f]
+    a, b = raw.source[e], _entered(source, raw, f)
     follow = source.following[a]
     ahead = np.where(follow >= 0, reach.stretch[follow], -1)
     behind = np.where(reach.before[b] >= 0, reach.stretch[reach.before[b]], -1)
@@ -223,11 +238,14 @@ def _findings(
         rows = [by_stretch[slice(*np.searchsorted(keys, (s, s + 1)))] for s in ids]
         lost = np.sort(np.concatenate([*rows, np.empty(0, np.int64)]))
         if any(raw.contour[e[k]] != raw.contour[f[k]] for k in jumps):
-            mine = lost[source.contour[lost] == number]
-            row = int(source.row[a[m]])
-            length = float(source.segments.length[mine].sum())
-            rows_left = tuple(source.row[mine].tolist())
-            result.append(Interference("neighbour", at, number, row, rows_left, length))
+            for number in np.unique(raw.contour[np.concatenate([e[jumps], f[jumps]])]).tolist():
+                mine = lost[source.contour[lost] == number]
+                met = [k for k in jumps if raw.contour[e[k]] == number]
+                first = mine[0] if len(mine) else a[met[0]] if met else b[jumps[0]]
+                left_out = tuple(source.row[mine].tolist())
+                length = float(source.segments.length[mine].sum())
+                row = int(source.row[first])
+                result.append(Interference("neighbour", at, number, row, left_out, length))
         elif len(lost) and reach.inside[lost].all() and not seen[jumps].any():
             radius = source.segments.radius[lost]
             row = int(source.row[lost[np.argmin(radius)]])
@@ -259,10 +277,18 @@ def _vanished(source: Source, number: int) -> Interference:
     )
 
 
+def _cut_off(source: Source, number: int) -> Interference:
+    """Return the finding that the wire cannot begin beside the start of an open contour."""
+    k = int(np.flatnonzero(source.contour == number)[0])
+    s = source.segments
+    at = (float(s.x0[k] + source.origin[0]), float(s.y0[k] + source.origin[1]))
+    return Interference("passage", at, number, int(source.row[k]), (), 0.0)
+
+
 def _passage(
     source: Source, reach: _Reach, rows: Ints, at: tuple[float, float] | None
 ) -> Interference:
-    """Return a finding about left-out segments, by default at the middle of the first one's chord."""
+    """Return a finding about left-out segments, by default at the first one's middle."""
     s = source.segments
     k = int(rows[0])
     middle = (

@@ -131,7 +131,7 @@ def gather(
             radius, rows, x1, y1 = radius[keep], rows[keep], nx1, ny1
         n = len(rows)
         for column, values in zip(columns, (x0, y0, x1, y1, cx, cy, turn), strict=True):
-            column.append(values)
+            column.append(np.asarray(values))
         radii.append(radius)
         nxt = np.arange(base + 1, base + n + 1)
         nxt[-1] = base if contour.closed else -1
@@ -182,7 +182,8 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     shifted_length = np.where(arc, np.maximum(radius, 0.0) * s.sweep, s.length)
     short = np.minimum(shifted_length, shifted_length[k])
     meets = has & ~vanished & ~vanished[k] & _snaps(gap, sideways, turning, short)
-    corner = outer & ~meets & (shift != 0)
+    # Without a gap there is nothing to go round (next to an arc that vanishes).
+    corner = outer & ~meets & (shift != 0) & (gap > 0.05 * SAME_UM)
 
     if sharp and corner.any():
         sideways = sideways.copy()
@@ -269,7 +270,7 @@ def _last_of_contour(source: Source) -> Ints:
 def _snaps(gap: Floats, sideways: Floats, turning: Floats, short: Floats) -> NDArray[np.bool_]:
     """Return where ends ``gap`` apart may meet in the middle, which moves them ``sideways``.
 
-    An element shorter than four gaps is not moved: it could turn round. Nor are ends that turn back.
+    An element shorter than four gaps is not moved: it could turn round. Nor is a turn back.
     """
     near = (gap < SAME_UM) | ((gap < SNAP_UM) & (sideways < SIDEWAYS_UM) & (turning < 1.5))
     result: NDArray[np.bool_] = near & (gap <= 0.25 * short)
@@ -282,7 +283,8 @@ def _joints(
     """Return which elements are joined to the following one, snapping over vanished arcs.
 
     Elements that stand next to each other because an arc between them shrank to (nearly) a point
-    are snapped here; neighbours in the drawing were snapped before. Fills in ``slack`` and ``bend`` there.
+    are snapped here, and ``slack`` and ``bend`` filled in; neighbours in the drawing were snapped
+    before.
     """
     count = len(following)
     has = following >= 0

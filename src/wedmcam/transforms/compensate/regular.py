@@ -156,7 +156,9 @@ def _cross(
     if not len(i):
         return False
     used = np.concatenate([i, j])
-    s = seg.make(*(c[used] for c in (ax, ay, bx, by, cx, cy, turn)), radius[used])
+    s = seg.make(
+        ax[used], ay[used], bx[used], by[used], cx[used], cy[used], turn[used], radius[used]
+    )
     n = len(i)
     return len(crossings.between(s, np.arange(n), np.arange(n, 2 * n)).i) > 0
 

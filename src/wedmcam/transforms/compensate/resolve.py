@@ -23,7 +23,7 @@ from wedmcam.transforms.compensate.untangle import on_free_side
 #: Crossings and ends this near are one node; um. Far above float64 noise, far below the grid.
 NODE_UM = 2e-3
 #: Loops thinner than this (area over length) are no cut; um.
-SLIVER_UM = 0.02
+SLIVER_UM = 0.01
 #: Pieces of opposite direction this near to each other are the two walls of one slot; um.
 BESIDE_UM = 0.02
 #: Crossings this near to the point at which two neighbours are joined anyway are that point; um.

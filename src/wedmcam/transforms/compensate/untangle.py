@@ -53,18 +53,18 @@ def untangled(source: Source) -> Source | None:
     x0, y0, x1, y1 = s.x0.copy(), s.y0.copy(), s.x1.copy(), s.y1.copy()
     part = np.ones(len(s))
     for i, (_, j, x, y) in sorted(best.items()):
-        loop = [i]
-        while loop[-1] != j:
-            loop.append(int(source.following[loop[-1]]))
-        if used[loop].any():
+        chain = [i]
+        while chain[-1] != j:
+            chain.append(int(source.following[chain[-1]]))
+        if used[chain].any():
             continue
-        used[loop] = True
-        ends = [(float(s.x1[k]), float(s.y1[k])) for k in loop[:-1]]
+        used[chain] = True
+        ends = [(float(s.x1[k]), float(s.y1[k])) for k in chain[:-1]]
         ends = [(x, y), *ends[::-1], (x, y)]
-        for m, k in enumerate(loop[::-1]):
-            rows.append(_Row(i + (m + 1) / (len(loop) + 1), k, *ends[m], *ends[m + 1]))
+        for m, k in enumerate(chain[::-1]):
+            rows.append(_Row(i + (m + 1) / (len(chain) + 1), k, *ends[m], *ends[m + 1]))
         x1[i], y1[i], x0[j], y0[j] = x, y, x, y
-        part[loop[1:-1]] = 0.0
+        part[chain[1:-1]] = 0.0
     return _rebuilt(source, rows, (x0, y0, x1, y1), np.flatnonzero(part))
 
 

@@ -1,11 +1,11 @@
 """Hold the 8-digit arithmetic against Python's `decimal` and against mpmath, operand by operand.
 
-Run: python benchmarks/prove_decimal8.py [--count N] [--seed S] [operation ...]. For each operation N
-operands, random and edge cases mixed; every result must be identical, digit by digit. The
+Run: python benchmarks/prove_decimal8.py [--count N] [--seed S] [operation ...]. For each operation
+N operands, random and edge cases mixed; every result must be identical, digit by digit. The
 reference for + - * / is `decimal` with 8 digits and ROUND_HALF_UP, for the other functions mpmath
 with 50 digits (more where an operand's exponent eats them, or where 50 do not decide), for powers
-by integers `decimal` with as many digits as the exact value has. A million takes 4 seconds for a sum and
-one or two minutes for a sine.
+by integers `decimal` with as many digits as the exact value has. A million takes some seconds for
+sums and a minute or more for a sine.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from wedmcam.decimal8.form import HIGH, LOW
 
 EIGHT = decimal.Context(prec=8, rounding=decimal.ROUND_HALF_UP, Emax=10**6, Emin=-(10**6))
 EXACT = decimal.Context(prec=3000, Emax=10**9, Emin=-(10**9))
+LONG = decimal.Context(prec=400, Emax=10**9, Emin=-(10**9))
 #: 0.dddddddd x 10^99 and 0.1 x 10^-99.
 TOO_LARGE, SMALLEST = Decimal("1e99"), Decimal("1e-100")
 
@@ -124,13 +125,13 @@ def bases(rng, n):
     """x > 0 and y for x ** y inside the range mostly; small rational exponents among them."""
     x = abs(operands(rng, n, -8, 9))
     x[x == 0] = 1
+    short = rng.random(n) < 0.3
+    x[short] = Decimal8Array(rng.integers(1, 20000, int(short.sum()))) / 100
     most = np.minimum(220 / np.maximum(np.abs(np.log(x.to_float())), 1e-9), 1e12)
     y = Decimal8Array(rng.uniform(-1, 1, n) * most)
     simple = rng.random(n) < 0.5
     k = int(simple.sum())
     y[simple] = Decimal8Array(rng.integers(-12, 30, k) / rng.choice([1, 1, 2, 4, 8], k))
-    short = rng.random(n) < 0.3
-    x[short] = Decimal8Array(rng.integers(1, 20000, int(short.sum())) ** 1.0) / 100
     return x, y
 
 
@@ -160,8 +161,8 @@ def from_mp(function, tens, *xs):
         else:
             exact = decimal.Context(prec=digits).divide(Decimal(mantissa), Decimal(2**-power))
         if value < 0 < exact:
-            exact = -exact
-        doubt = decimal.Context(prec=digits).multiply(abs(exact), Decimal(10) ** (3 - digits))
+            exact = exact.copy_negate()  # unary minus would round
+        doubt = decimal.Context(prec=digits).multiply(exact.copy_abs(), Decimal(f"1e{3 - digits}"))
         low = rounded(decimal.Context(prec=digits).subtract(exact, doubt))
         high = rounded(decimal.Context(prec=digits).add(exact, doubt))
         if low == high:
@@ -197,29 +198,24 @@ def in_degrees(name):
 
 
 def power(x, y):
-    if y == int(y) and 0 <= y <= 40:
-        return rounded(EXACT.power(x, int(y)))
-    root = EXACT.multiply(y, 8)
-    if 0 <= y <= 40 and root == int(root):  # an eighth, a quarter, a half: exact roots give ties
-        r = x
-        context = decimal.Context(prec=60)
-        for _ in range(3):
-            r = context.sqrt(r)
-        if len(r.normalize().as_tuple().digits) < 40:
-            return rounded(EXACT.power(r, int(root)))
-        s = context.sqrt(context.sqrt(x))
-        if len(s.normalize().as_tuple().digits) < 40 and int(root) % 2 == 0:
-            return rounded(EXACT.power(s, int(root) // 2))
-        s = context.sqrt(x)
-        if len(s.normalize().as_tuple().digits) < 40 and int(root) % 4 == 0:
-            return rounded(EXACT.power(s, int(root) // 4))
+    """Whole powers, and powers of exact roots, in exact decimals: only they can be ties."""
+    whole = EXACT.multiply(y, 8)
+    if abs(y) <= 40 and whole == int(whole):
+        root, whole = x, int(whole)
+        for steps in (8, 4, 2, 1):  # root is x ** (steps / 8)
+            if whole % steps == 0:
+                result = EXACT.power(root, abs(whole) // steps)
+                return rounded(result if whole >= 0 else LONG.divide(1, result))
+            root = LONG.sqrt(root)
+            if len(root.as_tuple().digits) > 50:
+                break
     return from_mp(lambda a, b: a**b, 8, x, y)
 
 
 def hypotenuse(a, b):
-    """The square root of the exact square with enough digits; ties show as exact."""
+    """The square root of the exact square, of 30 digits at most here; so 80 show ties exactly."""
     square = EXACT.add(EXACT.multiply(a, a), EXACT.multiply(b, b))
-    return rounded(decimal.Context(prec=700).sqrt(square))
+    return rounded(decimal.Context(prec=80).sqrt(square))
 
 
 def angle_of(function):

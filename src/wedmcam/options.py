@@ -34,6 +34,7 @@ class Options:
         layers: wildcards of layers to take; empty for all.
         ignore_layers: wildcards of layers to leave out.
         join_um: the largest gap closed between entities.
+        transforms: figure transforms in the words of the part language, in their order.
         tolerance_um: how far arcs may lie from a spline or an ellipse.
         offset_um: from the outline to the wire's centre; None where none was given.
         side: None for ``part`` with an offset and ``on`` without.
@@ -57,6 +58,7 @@ class Options:
     ignore_layers: tuple[str, ...] = ()
     join_um: float = 10.0
     tolerance_um: float = 1.0
+    transforms: tuple[str, ...] = ()
     offset_um: float | None = None
     side: Side | None = None
     corner_um: float = 0.0
@@ -115,7 +117,7 @@ class Options:
                 values["side"] = Side(values["side"])
             if "order" in values:
                 values["order"] = Order(values["order"])
-            for name in ("layers", "ignore_layers"):
+            for name in ("layers", "ignore_layers", "transforms"):
                 if name in values:
                     values[name] = tuple(values[name])
             if "starts_um" in values:

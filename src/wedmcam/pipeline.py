@@ -93,7 +93,30 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     sketch = run("read", read_dxf(data, file, asked))
     contours, report, found = chain(sketch, options.join_um)
     run.add("chain", found)
+    if options.transforms:
+        sketch, contours = _transformed(sketch, contours, options, run)
     return Drawn(sketch, contours, report, nest(contours))
+
+
+def _transformed(
+    sketch: Sketch, contours: tuple[Contour, ...], options: Options, run: Run
+) -> tuple[Sketch, tuple[Contour, ...]]:
+    """Return contours and thread points after ``--transform``; --start points stay (ruling 5)."""
+    from wedmcam.transforms import figures
+    from wedmcam.transforms.meetings import contour_meetings
+
+    texts = options.transforms
+    names = [
+        "--transform" if len(texts) == 1 else f"--transform {k + 1}" for k in range(len(texts))
+    ]
+    parsed = [figures.parse_transform(text, name) for text, name in zip(texts, names, strict=True)]
+    run.add("transform", [d for _, found in parsed for d in found])
+    whole = figures.Sequence(tuple(t for t, _ in parsed if t is not None))
+    made = run("transform", figures.transformed(contours, whole, FLOAT64, sketch.thread_points))
+    run.add("transform", figures.idle_reverse(contours, whole))
+    contours = figures.counter_clockwise(made[0])
+    run.add("transform", contour_meetings(contours))
+    return replace(sketch, thread_points=made[1]), contours
 
 
 def plan(drawn: Drawn, options: Options, run: Run) -> Plan:

@@ -47,6 +47,13 @@ drawing_options = _stack(
         default="0.001mm",
         help="Between a spline or an ellipse and its arcs.",
     ),
+    click.option(
+        "--transform",
+        "transforms",
+        multiple=True,
+        metavar="TEXT",
+        help="Such as 'rotate 10 copies 35 about (0, 0)'; repeat, in order.",
+    ),
 )
 
 path_options = _stack(
@@ -124,6 +131,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         ignore_layers=asked["ignore_layers"],
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
+        transforms=asked["transforms"],
         offset_um=offset,
         side=Side(asked["side"]) if asked["side"] else None,
         corner_um=asked["corner_um"] or 0.0,

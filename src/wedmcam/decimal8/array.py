@@ -66,6 +66,9 @@ class Decimal8Array(Methods):
         """
         if isinstance(values, Decimal8Array):
             return values.copy()
+        if isinstance(values, (Decimal8, int, float)):
+            one, place = parts_of(values)
+            return cls._of((np.array(one, np.int32), np.array(place, np.int16)))
         if isinstance(values, (list, tuple)):
             kinds = set(map(type, values))
             if kinds == {float}:
@@ -371,22 +374,20 @@ def binary(function: Any, a: Any, b: Any) -> Any:
     if not (_operand(a) and _operand(b)):
         return NotImplemented
     a, b = as_array(a), as_array(b)
-    if a.shape == b.shape or (a.ndim == b.ndim == 1 and 1 in (a.size, b.size)):
-        shape = None if a.ndim == 1 else a.shape
-        return Decimal8Array._of(function(a._flat(), b._flat()), shape)
-    shape = np.broadcast_shapes(a.shape, b.shape)
-    operands = []
-    for x in (a, b):
-        if x.size == 1:
-            operands.append(x._flat())
-        else:
-            operands.append(
-                (
-                    np.broadcast_to(x._m, shape).reshape(-1),
-                    np.broadcast_to(x._e, shape).reshape(-1),
-                )
-            )
-    return Decimal8Array._of(function(*operands), shape)
+    # One number beside an array stays one: the kernels broadcast it piece by piece.
+    if a.shape == b.shape or (b.size == 1 and b.ndim <= a.ndim):
+        shape = a.shape
+    elif a.size == 1 and a.ndim <= b.ndim:
+        shape = b.shape
+    else:
+        shape = np.broadcast_shapes(a.shape, b.shape)
+        a, b = (
+            x
+            if x.size == 1
+            else Decimal8Array._of((np.broadcast_to(x._m, shape), np.broadcast_to(x._e, shape)))
+            for x in (a, b)
+        )
+    return Decimal8Array._of(function(a._flat(), b._flat()), shape)
 
 
 def compare(relation: Any, a: Decimal8Array, other: Any) -> Any:
@@ -432,14 +433,15 @@ def _doubled_keys(x: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]
     flat = x.astype(np.float64).reshape(-1)
     nan = np.isnan(flat)
     large = np.abs(flat) >= 9e98
-    rounded = as_array(np.where(nan | large, 0.0, flat))
+    near = np.where(nan | large, 0.0, flat)
+    rounded = as_array(near)
     back = rounded.to_float()
-    keys = 2 * rounded.key() + np.sign(flat - back).astype(np.int64)
+    keys = 2 * rounded.key() + np.sign(near - back).astype(np.int64)
     # A float next to an 8-digit number need not be equal to it: it is if the number is a binary
     # fraction, and at most 10^11 times its mantissa. The few others are looked at exactly.
     k = np.where(rounded._m == 0, 0, rounded._e).astype(np.int64) - DIGITS
     fraction = (k < -11) | (rounded._m % 5 ** np.clip(-k, 0, 11) != 0)
-    doubtful = (flat == back) & (rounded._m != 0) & (fraction | (k > 11)) | large
+    doubtful = (near == back) & (rounded._m != 0) & (fraction | (k > 11)) | large
     for i in np.flatnonzero(doubtful & ~nan):
         keys[i] = _doubled_key(float(flat[i]))
     return keys.reshape(x.shape), nan.reshape(x.shape)

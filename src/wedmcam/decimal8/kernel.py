@@ -30,8 +30,12 @@ PIECE = 16384
 #: still be believed: two roundings of a number below 1e8 are 3e-8.
 DOUBT = 1e-7
 
-#: 10^0 .. 10^11: a number eleven powers below another cannot change the rounding of their sum.
-_ALIGN = 10.0 ** np.arange(12)
+#: A number eleven powers of ten below another cannot change the rounding of their sum.
+FAR = 11
+#: What the first and the second of two numbers are divided by, by the difference of their
+#: exponents from -FAR to FAR: the one with the smaller exponent by 10^|difference|.
+_ALIGN_SECOND = np.array([1.0] * FAR + [10.0**k for k in range(FAR + 1)])
+_ALIGN_FIRST = _ALIGN_SECOND[::-1].copy()
 _HUNDREDS = np.array([1.0, 10.0, 100.0])
 _EIGHT_SEVEN = np.array([1e8, 1e7])
 _SEVEN_EIGHT_SCALE = np.array([1e-8, 1e-7])
@@ -238,15 +242,17 @@ def _add(
     by 10 or 100, rounded correctly, leaves it there. Below 1e7 there was cancellation, which
     needs d <= 1, and S is an exact integer of at most 8 digits.
     """
-    s, t, d = work[0], work[1], work[2].view(np.int64)
-    np.subtract(be, ae, out=d, dtype=np.int64)
-    _ALIGN.take(d, out=t, mode="clip")  # negative: 10^0
+    s, t, other, d = work[0], work[1], work[2], work[3].view(np.int64)
+    # Indices are brought into range first: `take` mispredicts the branch where it clips itself.
+    np.subtract(ae, be, out=e)
+    np.maximum(e, -FAR, out=e)
+    np.minimum(e, FAR, out=e)
+    np.add(e, FAR, out=d)
     np.multiply(am, 10.0, out=s)
+    _ALIGN_FIRST.take(d, out=t, mode="clip")
     np.divide(s, t, out=s)
-    np.negative(d, out=d)
-    _ALIGN.take(d, out=t, mode="clip")
-    other = work[3]
     np.multiply(bm, 10.0, out=other)
+    _ALIGN_SECOND.take(d, out=t, mode="clip")
     np.divide(other, t, out=other)
     np.add(s, other, out=s)
     np.maximum(ae, be, out=e)

@@ -229,6 +229,32 @@ CODES: dict[str, Code] = {
         "A part cannot be kept inside or outside of an open line.",
         "Close the gap in the drawing, raise --join, or cut it with --side left, right or on.",
     ),
+    # --- figure transforms -----------------------------------------------------------------
+    "transform-syntax": Code(
+        "A transform that cannot be read, at the column named.",
+        "Nothing is guessed: another word would make another part.",
+        "Write it as the message says, for instance rotate 10 copies 35 about (0, 0).",
+    ),
+    "transform-value": Code(
+        "A number of a transform is out of range.",
+        "The ZD-065 makes 1 to 99 rotated copies; other numbers are typing errors.",
+        "Give what the message asks for.",
+    ),
+    "figure-join": Code(
+        "Open chains of a figure and its copies met and became one chain.",
+        "The wire runs through them without a break; gaps under a micron are closed.",
+        "Nothing; a large closing defect means angles or lengths that do not add up.",
+    ),
+    "figure-branch": Code(
+        "More than two ends of chains meet at one place after a transform.",
+        "Nobody can say how the wire goes on there, so nothing is joined.",
+        "Draw the figure so that each end meets one other end.",
+    ),
+    "reverse-closed": Code(
+        "The transform `reverse` was applied to closed contours of a drawing.",
+        "They are cut counter-clockwise whatever way they were drawn: it changes nothing.",
+        "Use --reverse to cut clockwise.",
+    ),
     # --- wire path: compensation, leads, order ---------------------------------------------
     "no-offset": Code(
         "no offset was given, so the wire's centre runs on the drawn line",

@@ -121,7 +121,7 @@ def _off(
 
 
 def _errors(p: Points) -> Floats:
-    """Return by how much biarcs over whole rows of places leave them, um; inf where there is none."""
+    """Return by how much biarcs over rows of places leave them, um; inf where there is none."""
     x, y, ux, uy = p
     x0, y0, u0, v0 = x[:, 0], y[:, 0], ux[:, 0], uy[:, 0]
     x1, y1, u1, v1 = x[:, -1], y[:, -1], ux[:, -1], uy[:, -1]

@@ -270,8 +270,8 @@ class Ellipse:
         u, v = np.array([self.ux, self.uy]), np.array([self.vx, self.vy])
         turn = 0.5 * float(np.arctan2(2.0 * (u @ v), u @ u - v @ v))
         c, s = np.cos(turn), np.sin(turn)
-        a, b = u * c + v * s, v * c - u * s
-        return Ellipse(self.cx, self.cy, *a.tolist(), *b.tolist(), self.start - turn, self.sweep)
+        (ux, uy), (vx, vy) = (u * c + v * s).tolist(), (v * c - u * s).tolist()
+        return Ellipse(self.cx, self.cy, ux, uy, vx, vy, self.start - turn, self.sweep)
 
     @property
     def axes(self) -> tuple[float, float]:
@@ -304,9 +304,7 @@ class Ellipses:
     """
 
     def __init__(self, ellipses: Sequence[Ellipse]) -> None:
-        given = [
-            (e.cx, e.cy, e.ux, e.uy, e.vx, e.vy) for e in ellipses
-        ]
+        given = [(e.cx, e.cy, e.ux, e.uy, e.vx, e.vy) for e in ellipses]
         self._numbers = np.array(given, float).reshape(-1, 6)
         owner, lo, hi = [], [], []
         quarter = 0.5 * np.pi

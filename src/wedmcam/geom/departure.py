@@ -1,8 +1,8 @@
 """By how much arcs leave the curves that they stand for, measured on its own.
 
-The fit looks at few places and at circles; here both ways are measured, at many places, between the
-curve and the arcs as they are, ends included. What may happen between two places is added: an eighth
-of the second difference there, which is what a parabola rises over its chord.
+The fit looks at few places and at circles; here both ways are measured, at many places, between
+the curve and the arcs as they are, ends included. What may happen between two places is added: an
+eighth of the second difference there, which is what a parabola rises over its chord.
 """
 
 from __future__ import annotations
@@ -80,7 +80,12 @@ def _replaced(
 
     made = Arcs(
         both("section").astype(np.int64),
-        *(both(name) for name in ("x0", "y0", "x1", "y1", "cx", "cy")),
+        both("x0"),
+        both("y0"),
+        both("x1"),
+        both("y1"),
+        both("cx"),
+        both("cy"),
         both("turn").astype(np.int64),
         piece[by_piece],
         np.concatenate([arcs.lo[keep_piece], better.lo])[order],

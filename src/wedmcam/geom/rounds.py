@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.geom.curves import Beziers, Floats, Ints
+from wedmcam.geom.curves import Beziers, Bools, Floats
 
 #: Places on each piece.
 PLACES = 12
@@ -28,9 +28,7 @@ class Rounds:
     """The circle that lies nearest to each curve, shape (curves,) each; um.
 
     Attributes:
-        n, sx, sy, sxx, sxy, syy, sxz, syz: sums over its places about (ox, oy), to be added up for
-            curves that make a circle together.
-        x, y: places, one array a curve.
+        places: x and y of places on each curve.
         sweep: about that circle, signed, radians; 0 where the curve is none.
         cx, cy, r: the circle.
         error: largest distance of the places from it; inf where there is none.
@@ -97,8 +95,8 @@ def rounds(made: Beziers, curves: int) -> Rounds:
     return Rounds(tuple(places), *out)
 
 
-def _gap(made: Beziers, a: int, b: int) -> Ints:
+def _gap(made: Beziers, a: int, b: int) -> Bools:
     """Return whether pieces do not begin where the one before them ends."""
     gap = np.hypot(made.x0[a + 1 : b] - made.x1[a : b - 1], made.y0[a + 1 : b] - made.y1[a : b - 1])
-    out: Ints = gap > MEET_UM
+    out: Bools = gap > MEET_UM
     return out

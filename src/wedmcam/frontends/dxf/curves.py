@@ -68,10 +68,9 @@ def image(curve: Curve, m: Linear) -> Curve:
         return curve.transformed(m)
     a, b, c, d = m
     e = curve
-    numbers = []
-    for x, y in ((e.cx, e.cy), (e.ux, e.uy), (e.vx, e.vy)):
-        numbers += [a * x + c * y, b * x + d * y]
-    return Ellipse(*numbers, e.start, e.sweep)
+    cx, ux, vx = (a * x + c * y for x, y in ((e.cx, e.cy), (e.ux, e.uy), (e.vx, e.vy)))
+    cy, uy, vy = (b * x + d * y for x, y in ((e.cx, e.cy), (e.ux, e.uy), (e.vx, e.vy)))
+    return Ellipse(cx, cy, ux, uy, vx, vy, e.start, e.sweep)
 
 
 def ellipses_of(rows: Rows) -> list[Ellipse]:
@@ -183,7 +182,9 @@ def _through(entity: Any, fitted: Floats, closed: bool) -> tuple[Floats, Floats,
     if closed and len(fitted) > 2:
         return _ring(fitted)
     tangents = [
-        entity.dxf.get(name) for name in ("start_tangent", "end_tangent") if entity.dxf.hasattr(name)
+        entity.dxf.get(name)
+        for name in ("start_tangent", "end_tangent")
+        if entity.dxf.hasattr(name)
     ]
     given = tangents if len(tangents) == 2 and all(t.magnitude > 0 for t in tangents) else None
     if len(fitted) == 2 and given is None:
@@ -243,9 +244,7 @@ class Fitted:
     missed: list[int] = field(default_factory=list)
 
 
-def segments(
-    curves: Sequence[Curve], tolerances: Sequence[float], frames: Sequence[int]
-) -> Fitted:
+def segments(curves: Sequence[Curve], tolerances: Sequence[float], frames: Sequence[int]) -> Fitted:
     """Return lines and arcs near to curves.
 
     Args:
@@ -412,9 +411,10 @@ def _of_splines(
     rows, local = rows[fresh[local]], local[fresh[local]]
     _meet(rows, local)
     shift = np.array([(c.x, c.y) for k in which if isinstance(c := curves[k], Spline)])
-    for x, y in (("x0", "y0"), ("x1", "y1"), ("cx", "cy")):
-        rows[x] += shift[local, 0]
-        rows[y] += shift[local, 1]
+    for name in ("x0", "x1", "cx"):
+        rows[name] += shift[local, 0]
+    for name in ("y0", "y1", "cy"):
+        rows[name] += shift[local, 1]
     line = rows["turn"] == 0
     rows["cx"][line] = rows["cy"][line] = 0.0
     only = np.ones(len(which), np.bool_)
@@ -494,9 +494,10 @@ def _of_ellipses(curves: Sequence[Curve], tolerance: Floats, out: Fitted) -> Row
         rows[name] = getattr(arcs, name)
     _meet(rows, owner)
     shift = np.array([(x, y) for x, y, _ in chosen]).reshape(-1, 2)
-    for x, y in (("x0", "y0"), ("x1", "y1"), ("cx", "cy")):
-        rows[x] += shift[owner, 0]
-        rows[y] += shift[owner, 1]
+    for name in ("x0", "x1", "cx"):
+        rows[name] += shift[owner, 0]
+    for name in ("y0", "y1", "cy"):
+        rows[name] += shift[owner, 1]
     line = rows["turn"] == 0
     rows["cx"][line] = rows["cy"][line] = 0.0
     rows["source"] = names[owner]

@@ -9,7 +9,8 @@ Known traps, each measured on real drawings:
 - Without a HEADER section ezdxf reports its own defaults, metres for one: the raw header is read
   here.
 - ``audit`` and ``recover`` of ezdxf delete good geometry and read ``2,5`` as 2. Neither is called.
-  A damaged file is refused with the line; a repair of our own would be one more of `REPAIRS`.
+  A damaged file is refused with the line, unless `salvage` gets its geometry out unchanged.
+- Whatever way a file is read, as many entities must come out of it as it states.
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ import io
 import logging
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error, note
+from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error, note, warning
+from wedmcam.frontends.dxf.salvage import salvage
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -55,6 +57,7 @@ GEOMETRY = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "SPLINE", "ELLIPS
 
 _VARIABLE = r"\$%s[ \t]*\r?\n[ \t]*%d[ \t]*\r?\n[ \t]*([^\s]+)"
 _TYPE = re.compile(r"^[ \t]*0[ \t]*\n[ \t]*([A-Z][A-Z0-9_]*)[ \t]*$", re.MULTILINE)
+_NAME = re.compile(r"\n[ \t]*2[ \t]*\n[ \t]*([A-Z]+)")
 _CONFLICT = re.compile(r"^(?:<{7}(?: .*)?|={7}|>{7}(?: .*)?)$", re.MULTILINE)
 _CODE = re.compile(r"^\s*-?\d+\s*$")
 
@@ -259,7 +262,20 @@ def _parsed(
         doc.modelspace()  # a broken layout dictionary shows only now
         lost = _lost(text, doc)
     except Exception as why:  # ezdxf raises whatever a broken file makes it stumble over
-        span, reason = _fault(text, why, file)
+        span, reason, plain = _fault(text, why, file)
+        saved = None if plain or text is None else _saved(text, header)
+        if saved is not None:
+            doc, done = saved
+            found.append(
+                warning(
+                    "repaired-drawing",
+                    f"the drawing is damaged ({reason}); its blocks and entities were read without "
+                    f"the rest: {done or 'nothing of them had to be changed'}",
+                    span,
+                    hint="check the picture; exporting the drawing again is cleaner",
+                )
+            )
+            return Loaded(doc, header, False), tuple(found)
         found.append(
             error(
                 "damaged-drawing",
@@ -275,6 +291,25 @@ def _parsed(
     if lost:
         found.append(error("damaged-drawing", f"entities were lost in reading: {lost}"))
     return Loaded(doc, header, text is None), tuple(found)
+
+
+def _saved(text: str, header: Header) -> tuple[Drawing, str] | None:
+    """Return what `salvage` gets out of a damaged file, if every entity comes out of it."""
+    import ezdxf
+
+    version = header.version or "AC1009"
+    if version < "AC1012":
+        version = "AC1015" if any(f"\n{name}" in text for name in LATER) else "AC1009"
+    got = salvage(text, version)
+    if got is None:
+        return None
+    try:
+        doc = ezdxf.read(io.StringIO(got.text))  # type: ignore[attr-defined]
+        doc.modelspace()
+        lost = _lost(text, doc)
+    except Exception:  # as before: whatever it stumbles over
+        return None
+    return None if lost else (doc, "; ".join(got.done))
 
 
 def _silence() -> None:
@@ -304,8 +339,11 @@ def _text(value: object) -> str | None:
     return None if value is None else str(value)
 
 
-def _fault(text: str | None, why: Exception, file: str) -> tuple[Span, str]:
-    """Return where a file that ezdxf refused is wrong, as far as that can be told."""
+def _fault(text: str | None, why: Exception, file: str) -> tuple[Span, str, bool]:
+    """Return where a file that ezdxf refused is wrong, and whether its data are.
+
+    Wrong data, or missing ones, cannot be had without a guess.
+    """
     where = FileSpan(file)
     from ezdxf.lldxf.const import DXFError
 
@@ -313,23 +351,27 @@ def _fault(text: str | None, why: Exception, file: str) -> tuple[Span, str]:
     if not isinstance(why, DXFError):
         reason = f"the reader stumbles over it ({type(why).__name__}: {reason})"
     if text is None:
-        return where, reason
+        return where, reason, True
     lines = text.split("\n")
     for at in range(0, len(lines) - 1, 2):
         code, value = _whole(lines[at]) if _CODE.match(lines[at]) else None, lines[at + 1]
         if code is None:
             shown = lines[at].strip()[:40]
-            return TextSpan(file, at + 1, 1), f'"{shown}" stands where a group code must be'
+            return TextSpan(file, at + 1, 1), f'"{shown}" stands where a group code must be', True
         if code == 0 and value.strip() == "EOF":
             break
         if any(low <= code <= high for low, high in FLOATS) and not _is_float(value):
             shown = value.strip()[:40]
             comma = "; decimals take a point, no comma" if "," in shown else ""
-            return TextSpan(file, at + 2, 1), f'"{shown}" is no number (group {code}){comma}'
+            return TextSpan(file, at + 2, 1), f'"{shown}" is no number (group {code}){comma}', True
     if "EOF" in reason:
-        return TextSpan(file, len(lines), 1), "the end of file mark is missing; it may be cut off"
+        return (
+            TextSpan(file, len(lines), 1),
+            "the end of file mark is missing; it may be cut off",
+            True,
+        )
     near = re.search(r"line:? (\d+)", reason)
-    return TextSpan(file, int(near.group(1)), 1) if near else where, reason
+    return TextSpan(file, int(near.group(1)), 1) if near else where, reason, False
 
 
 def _is_float(text: str) -> bool:
@@ -341,21 +383,22 @@ def _is_float(text: str) -> bool:
 
 
 def _lost(text: str | None, doc: Drawing) -> str:
-    """Return which entities of the ENTITIES section the document does not hold, or nothing."""
+    """Return which entities that the file states the document does not hold, or nothing."""
     if text is None:
         return ""
-    begin = re.search(r"^[ \t]*2[ \t]*\n[ \t]*ENTITIES[ \t]*$", text, re.MULTILINE)
-    if begin is None:
-        return ""
-    end = re.compile(r"^[ \t]*0[ \t]*\n[ \t]*ENDSEC[ \t]*$", re.MULTILINE).search(text, begin.end())
-    stop = end.start() if end else len(text)
-    stated = Counter(m.group(1) for m in _TYPE.finditer(text, begin.end(), stop))
-    held = Counter(_types(doc))
+    stated: Counter[str] = Counter()
+    inside = False
+    for match in _TYPE.finditer(text):
+        kind = match.group(1)
+        if kind == "SECTION":
+            name = _NAME.match(text, match.end())
+            inside = name is not None and name.group(1) in ("BLOCKS", "ENTITIES")
+        elif kind == "ENDSEC":
+            inside = False
+        elif kind == "EOF":
+            break
+        elif inside:
+            stated[kind] += 1
+    held = Counter(entity.dxftype() for block in doc.blocks for entity in block)
     names = [n for n in GEOMETRY if stated[n] > held[n]]
     return ", ".join(f"{stated[n] - held[n]} {n}" for n in names)
-
-
-def _types(doc: Drawing) -> Iterable[str]:
-    for layout in doc.layouts:
-        for entity in layout:
-            yield entity.dxftype()

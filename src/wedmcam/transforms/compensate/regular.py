@@ -151,7 +151,9 @@ def _cross(
     closing[first] = last
     far = (j != i + 1) & (closing[i] != j)
     # The last segment of a contour and the first of the next are no neighbours.
-    far |= (j == i + 1) & np.isin(i, last)
+    ends = np.zeros(len(ax), bool)
+    ends[last] = True
+    far |= ends[i] & (j == i + 1)
     i, j = i[far], j[far]
     if not len(i):
         return False

@@ -483,13 +483,10 @@ def _without_slivers(source: Source, raw: Raw, found: Loops) -> Loops:
         if is_closed:
             if abs(area) < SLIVER_UM * length:
                 continue
-            if raw.transition[found.element[loop[0]]] and not found.whole:
-                element = found.element[loop]
+            element = found.element[loop]
+            if not found.whole and raw.transition[element].all():
                 x, y = seg.points_at(raw.elements.take(element[:1]), found.at0[loop[:1]])
-                if (
-                    raw.transition[element].all()
-                    and not on_free_side(source, int(raw.contour[element[0]]), x, y).all()
-                ):
+                if not on_free_side(source, int(raw.contour[element[0]]), x, y).all():
                     continue
         keep.append(loop)
         closed.append(is_closed)

@@ -34,6 +34,11 @@ def untangled(source: Source) -> Source | None:
     s = source.segments
     pairs = _near_pairs(source)
     c = crossings.between(s, pairs[0], pairs[1])
+    t1x, t1y = seg.end_tangents(s)
+    t0x, t0y = (column[source.following] for column in seg.start_tangents(s))
+    # Angle between the way back along a segment and the next one; curvature, 1/um.
+    back = np.abs(np.arctan2(t1y * t0x - t1x * t0y, -t1x * t0x - t1y * t0y))
+    curvature = np.where(s.radius > 0, 1.0 / np.where(s.radius > 0, s.radius, 1.0), 0.0)
     best: dict[int, tuple[float, int, float, float]] = {}
     between = dict(zip(zip(*(p.tolist() for p in pairs[:2]), strict=True), pairs[2], strict=True))
     for k in range(len(c.i)):
@@ -42,6 +47,12 @@ def untangled(source: Source) -> Source | None:
         loop = tail + head + float(between[i, j])
         if max(tail, head) < VERTEX_UM:
             continue
+        if source.following[i] == j:
+            # Neighbours that cross again share a chord from their vertex to there, and bend to it
+            # by half of what they turn on the way; what does not is noise.
+            bend = 0.5 * (tail * curvature[i] + head * curvature[j])
+            if back[i] > 1.1 * bend or max(tail, head) > 3.0 * min(tail, head):
+                continue
         if loop > LOOP_UM and not (loop < THIN_LENGTH_UM and _thin(s, i, j, tail, head)):
             continue
         if i not in best or loop > best[i][0]:

@@ -81,11 +81,18 @@ class _Pieces:
 
 
 def measure(
-    walk: Walk, index: Ints, low: Floats, high: Floats, route: Route, kept: Kept | None
+    walk: Walk,
+    index: Ints,
+    low: Floats,
+    high: Floats,
+    route: Route,
+    kept: Kept | None,
+    before: Floats | None = None,
 ) -> Measured:
     """Measure blocks ``index`` of the walk on their stretches of progress from low to high.
 
-    Every block of ``index`` makes at least one step.
+    Every block of ``index`` makes at least one step. Blocks may be left out; ``before`` then says
+    which progress may have been reached before each block, -inf where none was left out.
     """
     n = len(index)
     out = Measured(
@@ -108,7 +115,8 @@ def measure(
         _near_ends(x, y, v, t, exact, pieces, route)
         out.low[rows] = np.minimum(np.minimum.reduceat(v, first), 0.0)
         out.high[rows] = np.maximum(np.maximum.reduceat(v, first), 0.0)
-        out.stray[rows], reached = _stray(t, reached, first, pieces)
+        floor = None if before is None else before[rows]
+        out.stray[rows], reached = _stray(t, reached, first, pieces, floor)
         _gaps(out.gap[rows], x, y, vertex, place, ends, high[rows], route, pieces)
         e = out.extents
         e[:] = min(e[0], x.min()), min(e[1], y.min()), max(e[2], x.max()), max(e[3], y.max())
@@ -302,9 +310,16 @@ def _near_ends(
     v[rows] = np.where(v[rows] < 0, -best, best)
 
 
-def _stray(t: Floats, reached: float, first: Ints, p: _Pieces) -> tuple[Floats, float]:
+def _stray(
+    t: Floats, reached: float, first: Ints, p: _Pieces, before: Floats | None
+) -> tuple[Floats, float]:
     """Return how far each block strays from a run through its pieces, and the progress reached."""
-    run = np.maximum.accumulate(t)
+    if before is None:
+        run = np.maximum.accumulate(t)
+    else:
+        run = t.copy()
+        run[first] = np.maximum(run[first], before)
+        np.maximum.accumulate(run, out=run)
     if reached > run[0]:
         run = np.maximum(run, reached)
     out = np.maximum.reduceat(run - t, first)

@@ -15,6 +15,8 @@ Known traps, each measured on real drawings:
 
 from __future__ import annotations
 
+import codecs
+import contextlib
 import gc
 import io
 import logging
@@ -125,18 +127,37 @@ def _decoded(data: bytes) -> tuple[Header, str | None]:
 
 
 def _encoding(header: Header, data: bytes) -> str:
-    """Return the encoding: UTF-8 from R2007 on, before that the code page, if it has one."""
-    from ezdxf.tools.codepage import toencoding
+    """Return the encoding: UTF-8 from R2007 on, before that the code page, if it has one.
 
-    if header.version is not None and header.version >= "AC1021":
-        return "utf-8"
-    if header.codepage is not None:
-        return toencoding(header.codepage)
-    try:
-        data.decode("utf-8")
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8"  # exporters that write no code page mostly write UTF-8
+    Files that state neither are mostly UTF-8, and new ones that are none mostly keep their code
+    page.
+    """
+    stated = None if header.codepage is None else _codepage(header.codepage)
+    new = header.version is not None and header.version >= "AC1021"
+    if stated is not None and not new:
+        return stated
+    for encoding in ("utf-8", stated or "cp1252"):
+        try:
+            data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        return encoding
+    return "utf-8" if new else "cp1252"
+
+
+def _codepage(name: str) -> str:
+    """Return the encoding of a code page: ANSI_936, dos850, GB2312, BIG5, SHIFT_JIS, ...
+
+    >>> [_codepage(name) for name in ("ANSI_936", "dos850", "Shift_JIS", "BIG5", "nonsense")]
+    ['cp936', 'cp850', 'shift_jis', 'big5', 'cp1252']
+    """
+    plain = name.strip().lower()
+    number = re.fullmatch(r"(?:ansi|dos|cp|windows)[_-]?(\d{3,5})", plain)
+    for encoding in (f"cp{number.group(1)}" if number else plain, "cp1252"):
+        with contextlib.suppress(LookupError):
+            codecs.lookup(encoding)
+            return encoding
+    return "cp1252"
 
 
 def _newlines(text: str) -> str:

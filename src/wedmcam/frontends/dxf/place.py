@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import EntityRef
 from wedmcam.frontends.dxf.curves import Curve, Linear, ellipses_of, image, segments
-from wedmcam.frontends.dxf.shapes import Heap, Insert, gather
+from wedmcam.frontends.dxf.shapes import FARTHEST_UM, Heap, Insert, gather
 from wedmcam.ir.sketch import SEGMENT, ThreadPoint
 
 Rows = NDArray[np.void]
@@ -99,6 +99,7 @@ class Placement:
         left_out: likewise what the user's filters leave out.
         no_points: likewise what is on layer START and is no thread point.
         problems: (code, text) -> the entities that have it, each once.
+        heights: height, whole um -> the first entity drawn at it; of the layout, not of blocks.
         approximated: curves that became arcs, by type; `arcs` and `lines` counts them.
         circles: curves that are circles but for nothing.
         curve_um: how far a curve is from its arcs at most, um; None where there is no curve.
@@ -115,6 +116,7 @@ class Placement:
     problems: dict[tuple[str, str], dict[EntityRef, None]] = field(default_factory=dict)
     dropped: dict[EntityRef, None] = field(default_factory=dict)
     widths: dict[EntityRef, None] = field(default_factory=dict)
+    heights: dict[int, EntityRef] = field(default_factory=dict)
     approximated: Counter[str] = field(default_factory=Counter)
     arcs: int = 0
     lines: int = 0
@@ -267,6 +269,10 @@ class Placer:
         for problem in heap.problems:
             if fates[problem.entity] is Fate.CUT:
                 out.problem(problem.code, problem.text, self._ref(copy, problem.entity))
+        if not copy.via:
+            for at, z in heap.heights.items():
+                if fates[at] is Fate.CUT and abs(z) <= FARTHEST_UM and round(z) not in out.heights:
+                    out.heights[round(z)] = self._ref(copy, at)
         for at in heap.dropped:
             if fates[at] is Fate.CUT:
                 out.dropped.setdefault(self._ref(copy, at))

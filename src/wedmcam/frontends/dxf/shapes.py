@@ -87,6 +87,7 @@ class Heap:
         segments: lines and arcs; ``source`` indexes ``entities``.
         curves: (entity, curve) of splines and ellipses, um; they become segments where it is known
             how large they are.
+        heights: z of each entity that lies flat, um.
         dropped: entities without length that were dropped.
         widths: polylines with a width.
     """
@@ -100,6 +101,7 @@ class Heap:
     problems: list[Problem] = field(default_factory=list)
     segments: Rows = field(default_factory=lambda: np.zeros(0, SEGMENT))
     curves: list[tuple[int, Curve]] = field(default_factory=list)
+    heights: dict[int, float] = field(default_factory=dict)
     dropped: list[int] = field(default_factory=list)
     widths: list[int] = field(default_factory=list)
     lines: list[tuple[float, ...]] = field(default_factory=list)
@@ -179,6 +181,7 @@ def _line(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     if abs(z1 - z0) * heap.scale > LEVEL_UM:
         heap.problem("not-flat", at)
         return
+    heap.heights[at] = z0 * heap.scale
     heap.lines.append((x0, y0, x1, y1))
     heap.line_of.append(at)
 
@@ -187,7 +190,8 @@ def _arc(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     flip = _flip(heap, at, dxf)
     if flip is None:
         return
-    x, y, _ = dxf.center
+    x, y, z = dxf.center
+    heap.heights[at] = (-z if flip else z) * heap.scale
     start, end = dxf.start_angle, dxf.end_angle
     turn = abs(end - start)
     if turn < FULL_DEG or abs(turn - 360.0) < FULL_DEG:
@@ -203,7 +207,8 @@ def _arc(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
 def _circle(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     flip = _flip(heap, at, dxf)
     if flip is not None:
-        x, y, _ = dxf.center
+        x, y, z = dxf.center
+        heap.heights[at] = (-z if flip else z) * heap.scale
         heap.circles.append((x, y, dxf.radius, flip))
         heap.circle_of.append(at)
 
@@ -212,6 +217,10 @@ def _lwpolyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     flip = _flip(heap, at, dxf)
     if flip is None:
         return
+    if dxf.hasattr("elevation"):
+        heap.heights[at] = (-dxf.elevation if flip else dxf.elevation) * heap.scale
+    else:
+        heap.heights[at] = 0.0
     rows = np.array(entity.lwpoints.values, float).reshape(-1, 5)  # x, y, two widths, bulge
     if rows[:, 2:4].any() or (dxf.hasattr("const_width") and dxf.const_width):
         heap.widths.append(at)
@@ -253,6 +262,7 @@ def _ellipse(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     if abs(dxf.major_axis[2]) * heap.scale > LEVEL_UM:
         heap.problem("tilted", at)
         return
+    heap.heights[at] = dxf.center[2] * heap.scale
     curve, equal = of_ellipse(dxf, heap.scale, flip)
     if equal:
         heap.problem("full-arc", at)

@@ -136,7 +136,10 @@ def _with(
     figure: Figure, points: Threads, transform: With, ar: Arithmetic
 ) -> tuple[tuple[Figure, Threads] | None, list[Diagnostic]]:
     """Return the figure and its image; a reflected image runs in reverse."""
-    if isinstance(transform.transform, With) or getattr(transform.transform, "copies", 0):
+    keeps = isinstance(transform.transform, With)
+    if keeps or (
+        isinstance(transform.transform, Translate | Rotate) and transform.transform.copies
+    ):
         return transformed(figure, transform.transform, ar, points)  # keeps the figure by itself
     made, found = transformed(figure, transform.transform, ar, points)
     if made is None:

@@ -1,0 +1,192 @@
+"""The figures of a program from as few of its places as will do.
+
+Most blocks are proven by their bounds (``bounds``). Measured (``deviation``) are the others, and
+those that may hold an extreme: most promising first, until no bound is above the largest figure
+found. If anything measured is over a limit, everything is measured, so that findings name the first
+block and tell exact numbers.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wedmcam.judge.bounds import Bounds, bound, extents
+from wedmcam.judge.deviation import SLOP, Measured, measure
+from wedmcam.judge.material import Kept
+from wedmcam.judge.route import Route
+from wedmcam.judge.segments import Bools, Floats, Ints
+from wedmcam.judge.walk import Walk
+
+#: A figure may be told so much larger than it is, um: what a bound leaves open below that is not
+#: worth measuring.
+CLOSE = 0.002
+
+#: Two neighbours share `SLOP`: one may overrun its end and the other begin before it.
+SHARE = SLOP / 2.0
+
+
+class Survey(NamedTuple):
+    """What is known of blocks, one entry a block that was tracked.
+
+    Attributes:
+        deviation: of each block, both ways, um; exact where ``exact``, else a bound that is at
+            most the figure of its group (leads, or all else).
+        stray: how far progress fell back, overran or fell short, um; over `SLOP` is no such run.
+        exact: which blocks were measured.
+        extents: x low, y low, x high, y high of all places.
+        gouge: how deep the wire enters the kept material, um, at least 0 if that is never found.
+        gouge_at: (x, y) of the deepest place.
+        gouge_block: position of its block.
+    """
+
+    deviation: Floats
+    stray: Floats
+    exact: Bools
+    extents: Floats
+    gouge: float
+    gouge_at: tuple[float, float]
+    gouge_block: int
+
+
+def survey(
+    way: Walk,
+    index: Ints,
+    low: Floats,
+    high: Floats,
+    lead: Bools,
+    route: Route,
+    kept: Kept | None,
+    path_limit_um: float,
+    gouge_limit_um: float,
+) -> Survey:
+    """Survey blocks ``index`` of the walk on their stretches of progress from low to high."""
+    if way.textbook or not len(index):
+        return everything(way, index, low, high, route, kept)
+    b = bound(way, index, low, high, route)
+    known = b.known & (b.over <= SHARE) & (b.under + b.back <= SHARE) & (b.short <= SHARE)
+    known &= b.deviation <= path_limit_um
+    deepest = np.full(len(index), -np.inf)
+    if kept is not None:
+        segment = np.maximum(np.searchsorted(route.at, low, "right") - 1, 0)
+        deepest = kept.bound_piece(segment, b.low, b.high)
+        known &= deepest <= gouge_limit_um
+    held = _Held(way, index, low, high, route, kept, b, known)
+    held.measure(np.flatnonzero(~known))
+    if held.failed(path_limit_um, gouge_limit_um):
+        return everything(way, index, low, high, route, kept)
+    held.settle(lead, deepest)
+    if held.failed(path_limit_um, gouge_limit_um):
+        return everything(way, index, low, high, route, kept)
+    return Survey(
+        held.deviation,
+        held.stray,
+        held.exact,
+        extents(way, index),
+        held.gouge,
+        held.gouge_at,
+        held.gouge_block,
+    )
+
+
+def everything(
+    way: Walk, index: Ints, low: Floats, high: Floats, route: Route, kept: Kept | None
+) -> Survey:
+    """Measure every place of every block."""
+    m = measure(way, index, low, high, route, kept)
+    exact = np.ones(len(index), bool)
+    return Survey(m.deviation, m.stray, exact, m.extents, m.gouge, m.gouge_at, m.gouge_block)
+
+
+class _Held:
+    """What is known so far."""
+
+    def __init__(
+        self,
+        way: Walk,
+        index: Ints,
+        low: Floats,
+        high: Floats,
+        route: Route,
+        kept: Kept | None,
+        bounds: Bounds,
+        known: Bools,
+    ) -> None:
+        self.way, self.index, self.low, self.high = way, index, low, high
+        self.route, self.kept = route, kept
+        self.least = np.where(known, bounds.least, 0.0)
+        self.deviation = np.where(known, bounds.deviation, np.inf)
+        self.stray = np.zeros(len(index))
+        self.exact = np.zeros(len(index), bool)
+        # What the block before may have reached: only as far as its bound says.
+        reached = np.where(known, self.high + bounds.over, -np.inf)
+        self.before = np.concatenate([[-np.inf], reached[:-1]])
+        self.gouge, self.gouge_at, self.gouge_block = -np.inf, (0.0, 0.0), -1
+
+    def measure(self, rows: Ints) -> None:
+        """Measure blocks and take over what was found."""
+        if not len(rows):
+            return
+        m: Measured = measure(
+            self.way,
+            self.index[rows],
+            self.low[rows],
+            self.high[rows],
+            self.route,
+            self.kept,
+            self.before[rows],
+        )
+        self.deviation[rows] = m.deviation
+        self.least[rows] = m.deviation
+        self.stray[rows] = m.stray
+        self.exact[rows] = True
+        if m.gouge > self.gouge:
+            self.gouge, self.gouge_at = m.gouge, m.gouge_at
+            self.gouge_block = int(rows[m.gouge_block])
+
+    def failed(self, path_limit_um: float, gouge_limit_um: float) -> bool:
+        """Return whether something measured is over a limit, or may be together with others."""
+        done = self.exact
+        return bool(
+            (self.deviation[done] > path_limit_um).any()
+            or (self.stray[done] > SHARE).any()
+            or self.gouge > gouge_limit_um
+        )
+
+    def settle(self, lead: Bools, deepest: Floats) -> None:
+        """Measure what may hold the largest deviation of leads, of all else, and of the gouge."""
+        take = 8
+        groups = [np.flatnonzero(lead), np.flatnonzero(~lead)]
+        while True:
+            wanted = []
+            for group in groups:
+                most = float(self.least[group].max(initial=0.0))
+                open_ = group[~self.exact[group] & (self.deviation[group] > most + CLOSE)]
+                wanted.append(_first(open_, self.deviation[open_], take))
+            open_ = np.flatnonzero(~self.exact & (deepest > max(self.gouge, 0.0) + CLOSE))
+            wanted.append(_first(open_, deepest[open_], take))
+            rows = np.concatenate(wanted)
+            if not len(rows):
+                break
+            mask = np.zeros(len(self.index), bool)
+            mask[rows] = True
+            self.measure(np.flatnonzero(mask))
+            take *= 4
+        for group in groups:
+            if len(group):
+                # No bound of a block needs to be above the figure of all.
+                done = self.exact[group]
+                most = float(self.deviation[group][done].max(initial=0.0))
+                most = max(most, float(self.least[group].max()) + (0.0 if done.all() else CLOSE))
+                self.deviation[group] = np.minimum(self.deviation[group], most)
+        left = deepest[~self.exact]
+        if len(left) and self.kept is not None:
+            self.gouge = max(self.gouge, float(min(left.max(), max(self.gouge, 0.0) + CLOSE)))
+
+
+def _first(rows: Ints, value: Floats, take: int) -> Ints:
+    """Return the ``take`` rows of the largest value."""
+    if len(rows) <= take:
+        return rows
+    return rows[np.argpartition(-value, take)[:take]]

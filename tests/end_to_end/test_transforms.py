@@ -1,0 +1,86 @@
+"""--transform: a slot becomes a proven stator; thread points follow, --start does not."""
+
+import math
+
+import pytest
+
+import wedmcam
+from drawings import drawing
+from wedmcam.options import Options
+
+
+def polar(r, degrees):
+    return r * math.cos(math.radians(degrees)), r * math.sin(math.radians(degrees))
+
+
+def slot(doc, msp):
+    """Ten degrees of a stator's outline: an arc at R 20, in, an arc at R 17, out."""
+    msp.add_arc((0, 0), 20, 0, 6)
+    msp.add_line(polar(20, 6), polar(17, 6))
+    msp.add_arc((0, 0), 17, 6, 10)
+    msp.add_line(polar(17, 10), polar(20, 10))
+
+
+def key(doc, msp):
+    msp.add_lwpolyline([(1, 1), (9, 1, 0.4), (9, 5), (1, 7)], format="xyb", close=True)
+    msp.add_point((0, 0), dxfattribs={"layer": "START"})
+
+
+def compiled(draw, *transforms, to="compact", **more):
+    options = Options(transforms=transforms, **more)
+    return wedmcam.compile(drawing(draw), to=to, name="a.dxf", options=options)
+
+
+@pytest.mark.parametrize("to", ["3b", "compact"])
+def test_a_stator_from_one_slot(to):
+    made = compiled(slot, "rotate 10 copies 35 about (0, 0)", to=to, offset_um=100.0)
+    assert made.ok, made.findings
+    assert made.summary["contours"] == 1
+    assert made.summary["closure_um"] == 0
+    assert made.summary["max_deviation_um"] < 2
+    assert made.summary["gouge_um"] < 1.6
+    assert made.summary["options"]["transforms"] == ("rotate 10 copies 35 about (0, 0)",)
+
+
+def test_the_options_of_a_certificate_are_read_back():
+    options = Options(transforms=("mirror 45", "rotate 3"))
+    assert Options.from_data({"transforms": ["mirror 45", "rotate 3"]}) == options
+
+
+@pytest.mark.parametrize(
+    "word", ["symmetry x", "symmetry y", "mirror 45", "mirror 135", "rotate 90"]
+)
+def test_a_mirrored_part_keeps_its_side_and_thread_point(word):
+    plain = compiled(key, offset_um=100.0)
+    made = compiled(key, word, offset_um=100.0)
+    assert plain.ok
+    assert made.ok, made.findings
+    assert made.summary["origin_um"] == [0, 0]
+    lengths = [m.verdict.path_mm for m in (plain, made)]
+    assert lengths[0] == pytest.approx(lengths[1], abs=0.01)
+
+
+def test_start_stays_where_it_was_said():
+    made = compiled(key, "translate (20, 0)", offset_um=100.0)
+    assert made.summary["origin_um"] == [20_000, 0]
+
+    def without_point(doc, msp):
+        msp.add_circle((5, 0), 3)
+
+    made = compiled(
+        without_point, "translate (20, 0)", offset_um=100.0, starts_um=((21_000.0, 0.0),)
+    )
+    assert made.ok, made.findings
+    assert made.summary["origin_um"] == [21_000, 0]
+
+
+def test_copies_that_cross_are_refused():
+    made = compiled(key, "translate (3, 0) copies 2", offset_um=100.0)
+    assert made.stage == "transform"
+    assert {d.code for d in made.findings} == {"crossing-contours", "overlap"}
+
+
+def test_a_misspelt_transform_is_an_error_with_its_column():
+    made = compiled(key, "mirror 45", "rotat 10", offset_um=100.0)
+    assert made.status == 1
+    assert str(made.findings[-1].span) == "--transform 2:1:1"

@@ -52,6 +52,8 @@ lint: $(READY)
 bench: $(READY)
 	$(BIN)/python benchmarks/bench_compile.py
 	$(BIN)/python benchmarks/bench_controller.py
+	$(BIN)/python benchmarks/bench_compensate.py
+	$(BIN)/python benchmarks/bench_decimal8.py
 
 golden: $(READY)
 	$(BIN)/python -m pytest -q tests/golden --update-golden

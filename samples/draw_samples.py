@@ -1,6 +1,6 @@
 """Draws the sample parts of this folder: ``python samples/draw_samples.py [FOLDER]``.
 
-Five parts as a shop would get them, from the simplest to the most awkward to read. All can be cut
+Eight parts as a shop would get them, from the simplest to the most awkward to read. All can be cut
 with an offset of 0.1 mm: no inside radius, neck or slot is too small. Running it again gives the
 same bytes. Numbers are mm, but for the bracket, which is drawn in inches.
 """
@@ -199,19 +199,7 @@ def gear_24() -> Drawing:
     add_segments(msp, outline, "CUT")
 
     # Bore of 16 mm with a keyway 5 mm wide, corners filleted 0.3 mm.
-    bore, key, top, r = 8.0, 2.5, 10.3, 0.3
-    side = math.sqrt(bore**2 - key**2)
-    quarter = math.tan(math.pi / 8)
-    start = math.atan2(side, -key)
-    keyed: list[Vertex] = [
-        (-key, side, math.tan((math.tau - 2 * (start - math.pi / 2)) / 4)),
-        (key, side, 0.0),
-        (key, top - r, quarter),
-        (key - r, top, 0.0),
-        (-key + r, top, quarter),
-        (-key, top - r, 0.0),
-    ]
-    add_segments(msp, keyed, "CUT")
+    add_segments(msp, keyed_bore(8.0, 2.5, 10.3, 0.3), "CUT")
     msp.add_point((0, 0), dxfattribs={"layer": "START"})
     return doc
 
@@ -317,17 +305,111 @@ def bracket_inch() -> Drawing:
     return doc
 
 
+def cam() -> Drawing:
+    """Disc cam, 70 x 60 mm: one closed spline, with a keyed bore of lines and an arc."""
+    doc = new()
+    msp = doc.modelspace()
+    # Lift of 10 mm, harmonic up and down, over a base circle of 30 mm; a periodic cubic whose
+    # control points lie on the profile, three of them repeated.
+    around, degree = 24, 3
+    control = []
+    for i in range(around + degree):
+        angle = math.tau * (i % around) / around
+        lift = 5.0 * (1 - math.cos(angle)) - 0.8 * (1 - math.cos(3 * angle))
+        control.append((*polar(30.0 + lift, angle), 0.0))
+    curve = msp.add_spline(degree=degree, dxfattribs={"layer": "CUT"})
+    curve.control_points = control
+    curve.knots = [float(k) for k in range(len(control) + degree + 1)]
+    curve.dxf.flags = 3  # closed and periodic
+    add_segments(msp, keyed_bore(6.0, 2.0, 7.8, 0.3), "CUT")
+    msp.add_point((0, 0), dxfattribs={"layer": "START"})
+    msp.add_point((34, 0), dxfattribs={"layer": "START"})
+    return doc
+
+
+def keyed_bore(bore: float, key: float, top: float, fillet: float) -> list[Vertex]:
+    """Bore of a radius with a keyway: half its width, its top above the centre, its fillets."""
+    side = math.sqrt(bore**2 - key**2)
+    quarter = math.tan(math.pi / 8)
+    start = math.atan2(side, -key)
+    return [
+        (-key, side, math.tan((math.tau - 2 * (start - math.pi / 2)) / 4)),
+        (key, side, 0.0),
+        (key, top - fillet, quarter),
+        (key - fillet, top, 0.0),
+        (-key + fillet, top, quarter),
+        (-key, top - fillet, 0.0),
+    ]
+
+
+def cover() -> Drawing:
+    """Cover, an ellipse of 90 x 50 mm: bolt holes, elliptic window, lens of two half ellipses."""
+    doc = new()
+    msp = doc.modelspace()
+    cut = {"layer": "CUT"}
+    msp.add_ellipse((0, 0), (45, 0), 25 / 45, dxfattribs=cut)
+    msp.add_ellipse((0, 0), (0, 14), 0.6, dxfattribs=cut)
+    for x in (-35, 35):
+        msp.add_circle((x, 0), 3.2, dxfattribs=cut)
+    for x in (-20, 20):
+        msp.add_circle((x, 15), 2.1, dxfattribs=cut)
+    # A lens between two elliptic arcs, below on the right: parameters run counter-clockwise.
+    msp.add_ellipse((20, -13), (7, 0), 0.5, 0, math.pi, dxfattribs=cut)
+    msp.add_ellipse((20, -13), (7, 0), 0.3, math.pi, math.tau, dxfattribs=cut)
+    # The same drawing has one hole as programs for artists export it: four cubic pieces.
+    k = 4 / 3 * (math.sqrt(2) - 1)
+    for i in range(4):
+        c, s = round(math.cos(i * math.pi / 2)), round(math.sin(i * math.pi / 2))
+        leg = [(1.0, 0.0), (1.0, k), (k, 1.0), (0.0, 1.0)]
+        points = [(-20 + 2.1 * (c * x - s * y), -15 + 2.1 * (s * x + c * y)) for x, y in leg]
+        msp.add_open_spline(points, dxfattribs=cut)
+    msp.add_point((-50, 0), dxfattribs={"layer": "START"})
+    return doc
+
+
+def damaged() -> str:
+    """Latch plate, 40 x 30 mm, as an old exporter writes it: read with every repair reported.
+
+    There is no HEADER (so no version, no units) and no table; the LWPOLYLINE and the SPLINE have
+    no subclass markers, all entities one handle, and a stray end of section follows the first.
+    """
+    outline = rounded([(0, 0, 4), (40, 0, 4), (40, 30, 4), (24, 30, 2), (24, 22, 2), (0, 22, 4)])
+    lines = ["999", "an old exporter", "0", "SECTION", "2", "ENTITIES"]
+    lines += ["0", "LWPOLYLINE", "5", "43", "8", "CUT", "90", str(len(outline)), "70", "1"]
+    for x, y, bulge in outline:
+        lines += ["10", f"{x:.9f}", "20", f"{y:.9f}", "42", f"{bulge:.9f}"]
+    lines += ["0", "CIRCLE", "5", "43", "8", "CUT", "10", "32.0", "20", "22.0", "40", "3.5"]
+    # Coordinates as AutoCAD 2 wrote them: both x, then both y.
+    slot = [((8.0, 8.0), (20.0, 8.0)), ((20.0, 13.0), (8.0, 13.0))]
+    for (x0, y0), (x1, y1) in slot:
+        lines += ["0", "LINE", "5", "43", "8", "CUT"]
+        lines += ["10", f"{x0}", "11", f"{x1}", "20", f"{y0}", "21", f"{y1}"]
+    lines += ["0", "ARC", "5", "43", "8", "CUT", "62", "BYLAYER", "10", "20.0", "20", "10.5"]
+    lines += ["40", "2.5", "50", "270", "51", "90"]
+    lines += ["0", "SPLINE", "5", "43", "8", "CUT", "70", "8", "71", "3", "72", "8", "73", "4"]
+    lines += ["74", "0", *(line for u in "00001111" for line in ("40", u))]
+    for x, y in ((8.0, 13.0), (4.5, 13.0), (4.5, 8.0), (8.0, 8.0)):
+        lines += ["10", f"{x}", "20", f"{y}", "30", "0"]
+    lines += ["0", "ENDSEC", "0", "ENDSEC", "0", "EOF"]
+    return "".join(f"{line}\n" for line in lines)
+
+
 SAMPLES = {
     "key-punch": key_punch,
     "stator-36": stator_36,
     "gear-24": gear_24,
     "plate": plate,
     "bracket-inch": bracket_inch,
+    "cam": cam,
+    "cover": cover,
+    "damaged": damaged,
 }
 
 
-def text_of(doc: Drawing) -> str:
+def text_of(doc: Drawing | str) -> str:
     """DXF text of a drawing, the same on every run."""
+    if isinstance(doc, str):  # written by hand
+        return doc
     stream = io.StringIO()
     doc.write(stream)
     text = stream.getvalue()

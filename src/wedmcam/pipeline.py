@@ -144,7 +144,7 @@ def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
     from wedmcam.transforms.lower import lower as lower_plan
 
     target = Target(
-        square=machine.format == "compact",
+        square=machine.format != "3b",
         table=LineTable(machine.line_table),
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,

@@ -44,9 +44,7 @@ class Involute:
 def naca_0012():
     """Upper half, chord 100 mm, through 60 points."""
     x = 0.5 * (1 - np.cos(np.linspace(0, np.pi, 60)))
-    y = 0.6 * (
-        0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4
-    )
+    y = 0.6 * (0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
     points = [(100 * a, 100 * b) for a, b in zip(x, y, strict=True)]
     return spline(global_bspline_interpolation(points, degree=3, method="chord"))
 
@@ -184,7 +182,12 @@ def test_pieces_are_the_spline(degree, kind):
     if kind == "double knot" and degree > 1:
         knots[degree + 3] = knots[degree + 2]
     weights = rng.uniform(0.5, 2, n) if kind == "rational" else None
-    made = BSpline([tuple(p) for p in points], degree + 1, knots.tolist(), None if weights is None else weights.tolist())
+    made = BSpline(
+        [tuple(p) for p in points],
+        degree + 1,
+        knots.tolist(),
+        None if weights is None else weights.tolist(),
+    )
     w = np.ones(n) if weights is None else weights
     homogeneous = np.stack([points[:, 0] * w, points[:, 1] * w, w], axis=1)
     pieces, _ = bezier_pieces(degree, knots, homogeneous)

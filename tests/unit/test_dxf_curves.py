@@ -1,6 +1,7 @@
 """SPLINE and ELLIPSE as arcs: D-08, D-10, D-11, D-12 and D-14 of the robustness list."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -131,8 +132,7 @@ def test_d11_clamped(degree, weights, tolerance):
     sketch, _ = check_spline(drawing(draw), made, tolerance, tolerance_um=tolerance)
     if degree == 1:
         assert rows(sketch) == [
-            (1e3 * a, 1e3 * b, 1e3 * c, 1e3 * d, 0, 0, 0)
-            for (a, b), (c, d) in zip(POINTS, POINTS[1:], strict=False)
+            (1e3 * a, 1e3 * b, 1e3 * c, 1e3 * d, 0, 0, 0) for (a, b), (c, d) in pairwise(POINTS)
         ]
 
 
@@ -227,7 +227,9 @@ def test_splines_that_do_not_fit_together(knots, points, words):
 
 
 def test_spline_out_of_its_plane_is_refused_by_name():
-    data = drawing(lambda doc, msp: msp.add_open_spline([(0, 0, 0), (1, 2, 0), (3, 1, 5), (4, 4, 0)]))
+    data = drawing(
+        lambda doc, msp: msp.add_open_spline([(0, 0, 0), (1, 2, 0), (3, 1, 5), (4, 4, 0)])
+    )
     _, found = got(data)
     assert errors(found) == ["not-flat"]
     assert "SPLINE" in found[0].message
@@ -253,9 +255,7 @@ def test_spline_without_length_is_dropped_and_said():
 def test_doubled_control_points_at_an_end():
     """Bezier pieces whose handle has no length: the tangent is the next leg's."""
     points = [(0, 0), (0, 0), (0, 10), (10, 10)]
-    sketch, _ = check_spline(
-        drawing(lambda doc, msp: msp.add_open_spline(points)), BSpline(points)
-    )
+    sketch, _ = check_spline(drawing(lambda doc, msp: msp.add_open_spline(points)), BSpline(points))
     s = sketch.segments[0]
     out = -(s["y0"] - s["cy"]) * s["turn"], (s["x0"] - s["cx"]) * s["turn"]
     assert abs(out[0]) < 0.02 * out[1]
@@ -285,7 +285,10 @@ def quarters(r, cx=0.0, cy=0.0):
     for k in range(4):
         c, s = round(math.cos(k * math.pi / 2)), round(math.sin(k * math.pi / 2))
         out.append(
-            [(cx + r * (c * x - s * y), cy + r * (s * x + c * y)) for x, y in ((1, 0), (1, K), (K, 1), (0, 1))]
+            [
+                (cx + r * (c * x - s * y), cy + r * (s * x + c * y))
+                for x, y in ((1, 0), (1, K), (K, 1), (0, 1))
+            ]
         )
     return out
 
@@ -346,7 +349,9 @@ def test_d08_arcs_under_unequal_scale_are_ellipses():
         made = doc.blocks.new("B")
         made.add_circle((0, 0), 10)
         made.add_arc((30, 0), 5, 350, 100)
-        made.add_lwpolyline([(50, 0, 0.5), (60, 0, 0), (60, 10, -0.3), (50, 10, 0)], "xyb", close=True)
+        made.add_lwpolyline(
+            [(50, 0, 0.5), (60, 0, 0), (60, 10, -0.3), (50, 10, 0)], "xyb", close=True
+        )
         msp.add_blockref("B", (7, 9), dxfattribs={"xscale": 2, "yscale": -1, "rotation": 30})
 
     sketch, found = got(drawing(draw))

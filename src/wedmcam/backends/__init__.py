@@ -14,6 +14,8 @@ from typing import Any
 ENCODERS: dict[str, str] = {
     "3b": "wedmcam.backends.b3",
     "compact": "wedmcam.backends.compact",
+    "rotation": "wedmcam.backends.rotation",
+    "compensation": "wedmcam.backends.gap",
 }
 
 

@@ -102,6 +102,12 @@ CODES: dict[str, Code] = {
         "Its length seen from above is not its length.",
         "Lay the entity flat.",
     ),
+    "taper": Code(
+        "Geometry lies at different heights: a taper, or the edges of a body.",
+        "Cut with a straight wire, seen from above, both outlines would be cut on top of each "
+        "other.",
+        "Lay it flat, or take the layer of one plane with --layer.",
+    ),
     "bad-bulge": Code(
         "A polyline arc so bulged that it is a full circle but for nothing.",
         "Its radius and centre follow from rounding errors.",
@@ -124,8 +130,8 @@ CODES: dict[str, Code] = {
     ),
     "approximated": Code(
         "Splines and ellipses became arcs that are tangent to each other.",
-        "Wire machines know lines and circles only. How far the arcs are from the curves at most is "
-        "measured, and stands in the certificate.",
+        "Wire machines know lines and circles only. How far the arcs are from the curves at most "
+        "is measured, and stands in the certificate.",
         "Nothing; --tolerance sets how near they must be.",
     ),
     "spline-circle": Code(
@@ -385,6 +391,41 @@ CODES: dict[str, Code] = {
         "A 4B record: it has a radius as its fourth field, and D or DD before G.",
         "4B leaves the offset to the controller; read as 3B it would cut another path.",
         "Write the program as 3B, with the offset computed.",
+    ),
+    "bad-angle": Code(
+        "An angle of a block in rotation format is none: 360 degrees or more, or no arc at all.",
+        "The controller would compute another start point.",
+        "Correct the exponent or the significand; angles are 0 up to 360 degrees.",
+    ),
+    "bad-type": Code(
+        "The compensation type of an arc is neither 0x01 (convex) nor 0x02 (concave).",
+        "Nobody knows whether the radius grows or shrinks.",
+        "Correct the byte behind the instruction.",
+    ),
+    "quadrant-contradicts": Code(
+        "The instruction names the quadrant opposite to the one that the angle lies in.",
+        "The controller corrects a neighbouring quadrant only.",
+        "Correct the instruction or the angle.",
+    ),
+    "radius-contradicts": Code(
+        "R of an arc in compensation format is not the distance of its start from the centre.",
+        "The arc would be scaled by another factor than its radius.",
+        "Correct R, x or y.",
+    ),
+    "not-tangent": Code(
+        "Two blocks of a figure in compensation format do not meet tangentially.",
+        "Offset by scaling its arcs alone, the figure would not hold together there.",
+        "Round the corner (--corner), or compute the offset in the compiler: --to compact.",
+    ),
+    "gap-too-large": Code(
+        "The gap is not smaller than the radius of an arc that shrinks by it, or over 7.999 mm.",
+        "The arc would vanish or turn over.",
+        "A smaller gap, or the offset computed in the compiler: --to compact.",
+    ),
+    "not-reachable": Code(
+        "No numbers of the format make the controller compute this block.",
+        "Another path would be cut than the one that was proven.",
+        "Compile for the cutting format: --to compact.",
     ),
     "zero-count": Code(
         "The count length J is 0.",

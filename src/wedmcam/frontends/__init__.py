@@ -13,6 +13,8 @@ from typing import Any
 DECODERS: dict[str, str] = {
     "3b": "wedmcam.frontends.b3",
     "compact": "wedmcam.frontends.compact",
+    "rotation": "wedmcam.frontends.rotation",
+    "compensation": "wedmcam.frontends.gap",
 }
 
 

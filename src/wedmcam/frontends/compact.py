@@ -46,8 +46,10 @@ class ByteSpans(Sequence[Span]):
         return ByteSpan(self._file, int(self._starts[index]), int(self._ends[index]))
 
 
-def addresses(data: bytes) -> tuple[NDArray[np.int64], int]:
+def addresses(data: bytes, length: bytes = compact.LENGTH) -> tuple[NDArray[np.int64], int]:
     """Return where each complete block starts, and the address behind the last one.
+
+    ``length`` gives the bytes of the block that each instruction opens, 0 for none.
 
     The search stops at the end byte, at a byte that is no instruction, in front of a block that
     the data cut short, or at the end of the data.
@@ -56,7 +58,6 @@ def addresses(data: bytes) -> tuple[NDArray[np.int64], int]:
     >>> starts.tolist(), end
     ([0, 7], 8)
     """
-    length = compact.LENGTH
     starts: list[int] = []
     at, size = 0, len(data)
     while at < size and (step := length[data[at]]):
@@ -220,15 +221,21 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         starts = np.append(starts, end)
         sizes = np.append(sizes, 1)
 
-    found += [(end, d) for d in _after(data, end, len(body), machine, file, sizes)]
+    found += [(end, d) for d in after(data, end, len(body), machine, file, sizes)]
     starts, sizes = starts[good], sizes[good]
     kept = ByteSpans(file, starts, starts + sizes)
     # A sequence that makes spans when asked for: a tuple of a million would cost seconds.
     return Program(blocks[good], spans=kept), in_order(found)
 
 
-def _after(
-    data: bytes, end: int, blocks: int, machine: Machine, file: str, sizes: NDArray[np.int64]
+def after(
+    data: bytes,
+    end: int,
+    blocks: int,
+    machine: Machine,
+    file: str,
+    sizes: NDArray[np.int64],
+    lengths: bytes = compact.LENGTH,
 ) -> list[Diagnostic]:
     """Return what is to be said about the end of the data, ``end`` behind the last block."""
     found: list[Diagnostic] = []
@@ -245,7 +252,7 @@ def _after(
                 f"{end:#06x}; they are not read"
             )
             found.append(warning("after-end", text, ByteSpan(file, first, end + 1 + len(rest))))
-    elif length := compact.LENGTH[data[end]]:
+    elif length := lengths[data[end]]:
         text = f"the data end in block {blocks + 1}, after {len(data) - end} of {length} bytes"
         found.append(error("truncated", text, ByteSpan(file, end, len(data))))
     else:

@@ -18,7 +18,7 @@ is a piece: a run of places beside one line or arc. In a piece
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,7 +39,6 @@ CHUNK = 1 << 15
 TINY = 4.0
 
 
-@dataclass(slots=True, eq=False)
 class Measured:
     """What was measured, one entry a cutting block that was tracked.
 
@@ -54,14 +53,12 @@ class Measured:
         gouge_block: position of its block among the blocks tracked.
     """
 
-    low: Floats
-    high: Floats
-    gap: Floats
-    stray: Floats
-    extents: Floats
-    gouge: float
-    gouge_at: tuple[float, float]
-    gouge_block: int
+    __slots__ = ("extents", "gap", "gouge", "gouge_at", "gouge_block", "high", "low", "stray")
+
+    def __init__(self, n: int) -> None:
+        self.low, self.high, self.gap, self.stray = (np.zeros(n) for _ in range(4))
+        self.extents = np.array([np.inf, np.inf, -np.inf, -np.inf])
+        self.gouge, self.gouge_at, self.gouge_block = -np.inf, (0.0, 0.0), -1
 
     @property
     def deviation(self) -> Floats:
@@ -69,13 +66,12 @@ class Measured:
         return np.maximum(np.maximum(-self.low, self.high), self.gap)
 
 
-@dataclass(slots=True, eq=False)
-class _Pieces:
+class _Pieces(NamedTuple):
     """Places of a chunk parted at the route's vertices; pieces may be empty."""
 
     segment: Ints
     block: Ints
-    count: Ints
+    count: Ints  # type: ignore[assignment]
     low: Floats
     high: Floats
 
@@ -94,17 +90,7 @@ def measure(
     Every block of ``index`` makes at least one step. Blocks may be left out; ``before`` then says
     which progress may have been reached before each block, -inf where none was left out.
     """
-    n = len(index)
-    out = Measured(
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.array([np.inf, np.inf, -np.inf, -np.inf]),
-        -np.inf,
-        (0.0, 0.0),
-        -1,
-    )
+    out = Measured(len(index))
     reached = -np.inf
     for rows in _chunks(np.maximum(walk.steps[index], 1)):
         x, y, steps = walk.points(index[rows])

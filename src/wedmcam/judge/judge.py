@@ -8,19 +8,20 @@ It did not make the program and shares no geometry with what made it. What is pr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Protocol
+from functools import cache
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, LineTable, Program, Role
-from wedmcam.judge.deviation import SLOP, Measured, measure
+from wedmcam.judge.deviation import SLOP, measure
 from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
 from wedmcam.judge.route import Route, plan_route
 from wedmcam.judge.runs import Assigned, assign, mm, runs, span_of
 from wedmcam.judge.segments import Bools, Floats, Ints, points_at
+from wedmcam.judge.survey import Survey, survey
 from wedmcam.judge.track import LOST, Track, track
 from wedmcam.judge.verdict import BlockTable, Count, CutVerdict, Verdict
 from wedmcam.judge.walk import Walk, walk
@@ -99,8 +100,7 @@ def judge(
     findings.extend(found)
     if count == "textbook":
         stepped, _ = case.judge(walk(program, table), "exact")
-        verdict = replace(
-            verdict,
+        verdict = verdict._replace(
             stepped_closure_um=stepped.closure_um,
             stepped_max_deviation_um=stepped.max_deviation_um,
             stepped_gouge_um=stepped.gouge_um,
@@ -116,13 +116,13 @@ def judge(
                     hint="compile with --count exact for such a controller",
                 )
             )
-    return replace(verdict, ok=not has_errors(findings)), findings
+    return verdict._replace(ok=not has_errors(findings)), findings
 
 
 def _check_blocks(program: Program, limits: Limits | None) -> list[Diagnostic]:
     """Report blocks over a limit or without a step; the first five of a sort, then their number."""
     b = program.blocks
-    motion = np.isin(b["kind"], (Kind.LINE, Kind.ARC, Kind.MOVE))
+    motion = b["kind"] <= Kind.MOVE
     findings: list[Diagnostic] = []
 
     def report(code: str, mask: Bools, what: str, value: Ints, most: int | None) -> None:
@@ -160,8 +160,7 @@ def _check_blocks(program: Program, limits: Limits | None) -> list[Diagnostic]:
     return findings
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Case:
+class _Case(NamedTuple):
     """One program and plan, judged once a machine."""
 
     program: Program
@@ -196,18 +195,29 @@ class _Case:
         done = ~np.isnan(t.high)
         judged = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
         kept = kept_material(self.plan, route, judged)
-        m = measure(way, index[done], t.low[done], t.high[done], route, kept)
-
         role = _roles(route, t)
         lead = np.zeros(len(index), bool)
-        lead[done] = np.isin(role[done], (Role.LEAD_IN, Role.LEAD_OUT))
+        lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)
+        m = survey(
+            way,
+            index[done],
+            t.low[done],
+            t.high[done],
+            lead[done],
+            route,
+            kept,
+            self.path_limit_um,
+            self.gouge_limit_um,
+        )
         deviation = np.full(len(index), np.nan)
         deviation[done] = m.deviation
         lost = dict(t.lost)
         findings.extend(self._path_findings(way, index, cut_of, assigned, t, m, done, deviation))
+        first = np.searchsorted(cut_of, np.arange(len(assigned) + 1))
         closures = []
-        for k in range(len(assigned)):
-            closure, found = self._ends(way, assigned[k], cuts[k], route, t, cut_of, k, count)
+        for k, a in enumerate(assigned):
+            mine = slice(int(first[k]), int(first[k + 1]))
+            closure, found = self._ends(way, a, cuts[k], route, t, mine, k, count)
             closures.append(closure)
             findings.extend(found)
 
@@ -217,36 +227,42 @@ class _Case:
         if self.plan.side in ("part", "die"):
             uncut = self._coverage(findings, route)
 
-        lengths = way.lengths()[index]
+        lengths = way.lengths()
         steps = way.steps[index]
-        rows = []
-        for k, a in enumerate(assigned):
-            mine = cut_of == k
-            own = deviation[mine & ~lead & done]
-            away = [lost[b] for b in np.flatnonzero(mine).tolist() if b in lost]
-            leads = deviation[mine & lead]
-            rows.append(
-                CutVerdict(
-                    number=a.cut + 1,
-                    first_block=int(a.index[0]) + 1,
-                    last_block=int(a.index[-1]) + 1,
-                    blocks=len(a.index),
-                    steps=int(steps[mine].sum()),
-                    closed=bool(route.closed[k]),
-                    closure_um=closures[k],
-                    max_deviation_um=max(float(own.max(initial=0.0)), *away, 0.0),
-                    lead_deviation_um=float(leads.max(initial=0.0)),
-                    length_mm=float(lengths[mine].sum()) / 1000.0,
-                    backwards=backwards[k],
-                )
+        on_path = np.where(lead | ~done, 0.0, deviation)
+        on_lead = np.where(lead & done, deviation, 0.0)
+        on_path[list(lost)] = list(lost.values())
+        sums = [np.add.reduceat(v, first[:-1]) for v in (steps, lengths[index])]
+        most = [np.maximum.reduceat(v, first[:-1]) for v in (on_path, on_lead)]
+        rows = tuple(
+            CutVerdict(
+                number=a.cut + 1,
+                first_block=int(a.index[0]) + 1,
+                last_block=int(a.index[-1]) + 1,
+                blocks=len(a.index),
+                steps=int(sums[0][k]),
+                closed=bool(route.closed[k]),
+                closure_um=closures[k],
+                max_deviation_um=float(most[0][k]),
+                lead_deviation_um=float(most[1][k]),
+                length_mm=float(sums[1][k]) / 1000.0,
+                backwards=backwards[k],
             )
-        nominal = np.full((len(index), 2), np.nan)
-        nominal[done] = _places(route, t.high[done])
-        stepped = way.end[index]
-        low, high = np.full(len(index), np.nan), np.full(len(index), np.nan)
-        low[done], high[done] = m.low, m.high
+            for k, a in enumerate(assigned)
+        )
+
+        def table() -> BlockTable:
+            low, high = np.full(len(index), np.nan), np.full(len(index), np.nan)
+            every = measure(way, index[done], t.low[done], t.high[done], route, None)
+            low[done], high[done] = every.low, every.high
+            nominal = np.full((len(index), 2), np.nan)
+            nominal[done] = _places(route, t.high[done])
+            stepped = way.end[index]
+            error_um = np.hypot(stepped[:, 0] - nominal[:, 0], stepped[:, 1] - nominal[:, 1])
+            cut = np.array([a.cut + 1 for a in assigned])[cut_of]
+            return BlockTable(index + 1, cut, nominal, stepped, error_um, low, high)
+
         closed = [c for c in closures if c is not None]
-        kind = way.blocks["kind"]
         return (
             Verdict(
                 ok=not has_errors(findings),
@@ -257,35 +273,32 @@ class _Case:
                 gouge_um=gouge,
                 uncut_um=uncut,
                 contours=len(assigned),
-                blocks=int(way.cutting.sum()),
-                steps=int(np.maximum(way.steps[way.cutting], 0).sum()),
-                moves=int((kind == Kind.MOVE).sum()),
-                controls=int((kind >= Kind.PAUSE).sum()),
-                path_mm=float(way.lengths()[way.cutting].sum()) / 1000.0,
-                extents_um=_extents(m.extents, stepped),
-                origin_um=self.program.origin,
-                offset_um=self.plan.offset_um,
-                side=str(self.plan.side),
-                path_limit_um=self.path_limit_um,
-                gouge_limit_um=self.gouge_limit_um,
-                cuts=tuple(rows),
-                table=BlockTable(
-                    index + 1,
-                    np.array([a.cut + 1 for a in assigned])[cut_of],
-                    nominal,
-                    stepped,
-                    np.hypot(stepped[:, 0] - nominal[:, 0], stepped[:, 1] - nominal[:, 1]),
-                    low,
-                    high,
-                ),
+                extents_um=_extents(m.extents, way.end[index]),
+                cuts=rows,
+                make_table=cache(table),
+                **self._totals(way),
             ),
             findings,
         )
 
+    def _totals(self, way: Walk) -> dict[str, Any]:
+        """Return the figures that need no route."""
+        kind = way.blocks["kind"]
+        return {
+            "blocks": int(way.cutting.sum()),
+            "steps": int(np.maximum(way.steps[way.cutting], 0).sum()),
+            "moves": int((kind == Kind.MOVE).sum()),
+            "controls": int((kind >= Kind.PAUSE).sum()),
+            "path_mm": float(way.lengths()[way.cutting].sum()) / 1000.0,
+            "origin_um": self.program.origin,
+            "offset_um": self.plan.offset_um,
+            "side": str(self.plan.side),
+            "path_limit_um": self.path_limit_um,
+            "gouge_limit_um": self.gouge_limit_um,
+        }
+
     def _nothing(self, way: Walk, count: Count, findings: list[Diagnostic]) -> Verdict:
         """Return the verdict on a program in which nothing belongs to the plan."""
-        none, empty = np.zeros(0), np.zeros((0, 2))
-        kind = way.blocks["kind"]
         if not self.plan.cuts and not way.cutting.any():
             findings.append(error("missing-cut", "the plan has no cut and the program no block"))
         x, y = self.program.origin
@@ -298,27 +311,10 @@ class _Case:
             gouge_um=None,
             uncut_um=None,
             contours=0,
-            blocks=int(way.cutting.sum()),
-            steps=int(np.maximum(way.steps[way.cutting], 0).sum()),
-            moves=int((kind == Kind.MOVE).sum()),
-            controls=int((kind >= Kind.PAUSE).sum()),
-            path_mm=float(way.lengths()[way.cutting].sum()) / 1000.0,
             extents_um=(x, y, x, y),
-            origin_um=self.program.origin,
-            offset_um=self.plan.offset_um,
-            side=str(self.plan.side),
-            path_limit_um=self.path_limit_um,
-            gouge_limit_um=self.gouge_limit_um,
             cuts=(),
-            table=BlockTable(
-                none.astype(np.int64),
-                none.astype(np.int64),
-                empty,
-                empty.astype(np.int64),
-                none,
-                none,
-                none,
-            ),
+            make_table=_no_table,
+            **self._totals(way),
         )
 
     def _path_findings(
@@ -328,7 +324,7 @@ class _Case:
         cut_of: Ints,
         assigned: list[Assigned],
         t: Track,
-        m: Measured,
+        m: Survey,
         done: Bools,
         deviation: Floats,
     ) -> list[Diagnostic]:
@@ -339,8 +335,9 @@ class _Case:
         off = np.flatnonzero(np.nan_to_num(deviation) > self.path_limit_um)
         wild = np.flatnonzero(stray > SLOP)
         lost = dict(t.lost)
-        for k, a in enumerate(assigned):
-            name = f"cut {a.cut + 1}"
+        wrong = np.concatenate([off, wild, np.array(list(lost), np.int64)])
+        for k in np.flatnonzero(np.bincount(cut_of[wrong])).tolist():
+            name = f"cut {assigned[k].cut + 1}"
             mine = off[cut_of[off] == k]
             strays = wild[cut_of[wild] == k]
             gone = [b for b in lost if cut_of[b] == k]
@@ -394,13 +391,12 @@ class _Case:
         cut: Cut,
         route: Route,
         t: Track,
-        cut_of: Ints,
+        rows: slice,
         k: int,
         count: Count,
     ) -> tuple[float | None, list[Diagnostic]]:
         """Return the closure of one cut, and report its ends and its pauses."""
         findings: list[Diagnostic] = []
-        rows = np.flatnonzero(cut_of == k)
         high = t.high[rows]
         if np.isnan(high).any():
             return None, findings  # lost: reported
@@ -432,7 +428,7 @@ class _Case:
         if not route.closed[k]:
             return None, findings
         places = np.concatenate([way.start[a.index[:1]], way.end[a.index]])
-        at = np.concatenate([t.low[rows[:1]], high])
+        at = np.concatenate([t.low[rows][:1], high])
         p0 = int(np.argmin(np.abs(at - route.path_low[k])))
         # The last of several that stand there.
         p1 = len(at) - 1 - int(np.argmin(np.abs(at - route.path_high[k])[::-1]))
@@ -511,7 +507,7 @@ class _Case:
         kept: Kept,
         route: Route,
         judged: Bools,
-        m: Measured,
+        m: Survey,
         index: Ints,
     ) -> float:
         """Return gouge_um, and report it where it is over the limit."""
@@ -608,6 +604,12 @@ def _places(route: Route, at: Floats) -> Floats:
     held = route.segments.take(segment)
     x, y = points_at(held, at - route.at[segment])
     return np.column_stack([x, y])
+
+
+def _no_table() -> BlockTable:
+    """Return the table of no block."""
+    none, count, places = np.zeros(0), np.zeros(0, np.int64), np.zeros((0, 2))
+    return BlockTable(count, count, places, places.astype(np.int64), none, none, none)
 
 
 def _extents(e: Floats, stepped: Ints) -> tuple[float, float, float, float]:

@@ -8,7 +8,7 @@ does before and after is taken as its leads, whose only duty is to stay out of t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,8 +43,7 @@ RECOMPUTED = 2.0
 MIDDLES = 6.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class Piece(NamedTuple):
     """Blocks between two threadings, and the contour among them.
 
     Attributes:
@@ -57,7 +56,7 @@ class Piece:
         area: signed, um^2; > 0 counter-clockwise.
     """
 
-    index: Ints
+    index: Ints  # type: ignore[assignment]
     pauses: tuple[int, ...]
     first: int
     last: int

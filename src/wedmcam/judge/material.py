@@ -8,7 +8,7 @@ radius all show here, even if the plan itself is wrong.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,8 +38,7 @@ WIDTH = 2.0
 FRACTIONS = np.array([0.02, 0.25, 0.5, 0.75, 0.98])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Kept:
+class Kept(NamedTuple):
     """The kept material beside a route.
 
     Attributes:
@@ -183,8 +182,7 @@ def wrong_side(
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Coverage:
+class Coverage(NamedTuple):
     """Which outlines the wire reaches.
 
     Attributes:

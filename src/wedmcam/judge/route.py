@@ -8,7 +8,7 @@ asked for, and out again. Every place on all routes has one number, its progress
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,8 +34,7 @@ GAP = 1000.0
 NOTHING = 1e-6
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Route:
+class Route(NamedTuple):
     """All cuts one after the other.
 
     Attributes:

@@ -6,7 +6,7 @@ cut follows from the order and from where the wire is threaded.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,7 @@ from wedmcam.judge.segments import Ints
 from wedmcam.judge.walk import Walk
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Run:
+class Run(NamedTuple):
     """Cutting blocks without a control record or a move between them.
 
     Attributes:
@@ -28,14 +27,13 @@ class Run:
         joined: the run before ends in a pause only, so this may go on with the same contour.
     """
 
-    index: Ints
+    index: Ints  # type: ignore[assignment]
     start: tuple[int, int]
     end: tuple[int, int]
     joined: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Assigned:
+class Assigned(NamedTuple):
     """The blocks of one cut.
 
     Attributes:
@@ -45,7 +43,7 @@ class Assigned:
     """
 
     cut: int
-    index: Ints
+    index: Ints  # type: ignore[assignment]
     pauses: tuple[int, ...]
 
 

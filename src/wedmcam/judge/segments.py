@@ -8,7 +8,6 @@ from start to end; its own end may miss the circle by the rounding of the drawin
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
 from typing import TypeAlias
 
 import numpy as np
@@ -21,7 +20,6 @@ Ints: TypeAlias = NDArray[np.int64]
 Bools: TypeAlias = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Segments:
     """Lines and arcs, one entry a segment.
 
@@ -40,18 +38,36 @@ class Segments:
         length: um along the segment.
     """
 
-    ax: Floats
-    ay: Floats
-    bx: Floats
-    by: Floats
-    cx: Floats
-    cy: Floats
-    turn: Floats
-    radius: Floats
-    half: Floats
-    mx: Floats
-    my: Floats
-    length: Floats
+    __slots__ = (
+        *("ax", "ay", "bx", "by", "cx", "cy"),
+        *("turn", "radius", "half", "mx", "my", "length"),
+    )
+
+    def __init__(
+        self,
+        ax: Floats,
+        ay: Floats,
+        bx: Floats,
+        by: Floats,
+        cx: Floats,
+        cy: Floats,
+        turn: Floats,
+        radius: Floats,
+        half: Floats,
+        mx: Floats,
+        my: Floats,
+        length: Floats,
+    ) -> None:
+        self.ax, self.ay, self.bx, self.by, self.cx, self.cy = ax, ay, bx, by, cx, cy
+        self.turn, self.radius, self.half = turn, radius, half
+        self.mx, self.my, self.length = mx, my, length
+
+    def columns(self) -> tuple[Floats, ...]:
+        """Return all columns, in the order of the constructor."""
+        return (
+            *(self.ax, self.ay, self.bx, self.by, self.cx, self.cy),
+            *(self.turn, self.radius, self.half, self.mx, self.my, self.length),
+        )
 
     def __len__(self) -> int:
         """How many segments there are."""
@@ -59,7 +75,7 @@ class Segments:
 
     def take(self, index: Ints | Bools | slice) -> Segments:
         """Return the segments ``index`` picks, in its order."""
-        return Segments(*(getattr(self, f.name)[index] for f in fields(self)))
+        return Segments(*(column[index] for column in self.columns()))
 
 
 def segments(
@@ -116,11 +132,11 @@ def join(parts: Iterable[Segments]) -> Segments:
     """Return all segments of ``parts``, one after the other."""
     held = list(parts)
     if not held:
-        none = np.zeros(0)
-        return Segments(*([none] * len(fields(Segments))))
+        return Segments(*([np.zeros(0)] * 12))
     if len(held) == 1:
         return held[0]
-    return Segments(*(np.concatenate([getattr(p, f.name) for p in held]) for f in fields(Segments)))
+    every = zip(*(p.columns() for p in held), strict=True)
+    return Segments(*(np.concatenate(column) for column in every))
 
 
 def points_at(s: Segments, t: Floats) -> tuple[Floats, Floats]:
@@ -263,45 +279,64 @@ def boxes(s: Segments, margin: float = 0.0) -> Floats:
     return out
 
 
+#: Boxes under one box of the next level of a tree, and pairs of boxes compared at a time.
+FAN, AT_ONCE = 8, 1 << 20
+
+
 def near_pairs(a: Floats, b: Floats) -> tuple[Ints, Ints]:
     """Return the index pairs (i, j) whose boxes ``a[i]`` and ``b[j]`` touch, sorted by i, then j.
 
-    Consecutive entries of ``a`` should lie near each other, as those of a contour do: groups of
-    them are tried against ``b`` as a whole, and parted where much is left.
+    Consecutive entries of each should lie near each other, as those of a contour do: over `FAN` of
+    them stands one box, and so on up to a single one, and two trees are descended side by side.
     """
-    out_i: list[Ints] = []
-    out_j: list[Ints] = []
-    work: list[tuple[int, int, Ints]] = [(0, len(a), np.arange(len(b)))]
-    while work:
-        low, high, held = work.pop()
-        if low >= high or not len(held):
-            continue
-        group, others = a[low:high], b[held]
-        x0, y0 = group[:, 0].min(), group[:, 1].min()
-        x1, y1 = group[:, 2].max(), group[:, 3].max()
-        touch = (others[:, 0] <= x1) & (others[:, 2] >= x0)
-        touch &= (others[:, 1] <= y1) & (others[:, 3] >= y0)
-        held = held[touch]
-        if not len(held):
-            continue
-        # Part in 8 while a group is worth more than the overhead of a call (a few thousand tests).
-        if high - low > 8 and (high - low) * len(held) > 4096:
-            edges = np.linspace(low, high, 9).astype(int).tolist()
-            work.extend((e, f, held) for e, f in zip(edges[-2::-1], edges[:0:-1], strict=True))
-            continue
-        others = b[held]
-        for i in range(low, high, 512):
-            part = group[i - low : i - low + 512]
-            hit = (part[:, None, 0] <= others[None, :, 2]) & (part[:, None, 2] >= others[:, 0])
-            hit &= (part[:, None, 1] <= others[None, :, 3]) & (part[:, None, 3] >= others[:, 1])
-            rows, columns = np.nonzero(hit)
-            out_i.append(rows + i)
-            out_j.append(held[columns])
-    if not out_i:
+    if not len(a) or not len(b):
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
-    all_i, all_j = np.concatenate(out_i), np.concatenate(out_j)
-    order = np.lexsort((all_j, all_i))
-    return all_i[order], all_j[order]
+    levels = [(np.ascontiguousarray(a.T), np.ascontiguousarray(b.T))]
+    while max(len(levels[-1][0][0]), len(levels[-1][1][0])) > 1:
+        levels.append((_over(levels[-1][0]), _over(levels[-1][1])))
+    i = j = np.zeros(1, np.int64)
+    each = AT_ONCE // FAN**2
+    for of_a, of_b in levels[-2::-1]:
+        parts = [
+            _children(of_a, of_b, i[k : k + each], j[k : k + each]) for k in range(0, len(i), each)
+        ]
+        i, j = (np.concatenate(p) for p in zip(*parts, strict=True))
+        if not len(i):
+            break
+    if len(levels) == 1:
+        i, j = _touching(*levels[0], i, j)
+    order = np.argsort(i * len(b) + j, kind="stable")
+    return i[order], j[order]
+
+
+def _over(columns: Floats) -> Floats:
+    """Return the boxes over each `FAN` boxes; columns x low, y low, x high, y high."""
+    first = np.arange(0, columns.shape[1], FAN)
+    return np.concatenate(
+        [
+            np.minimum.reduceat(columns[:2], first, axis=1),
+            np.maximum.reduceat(columns[2:], first, axis=1),
+        ]
+    )
+
+
+def _children(a: Floats, b: Floats, i: Ints, j: Ints) -> tuple[Ints, Ints]:
+    """Return the pairs of boxes under the pairs (i, j) that touch."""
+    ramp = np.arange(FAN)
+    under_i = np.repeat((i[:, None] * FAN + ramp)[:, :, None], FAN, axis=2).ravel()
+    under_j = np.repeat((j[:, None] * FAN + ramp)[:, None, :], FAN, axis=1).ravel()
+    there = (under_i < a.shape[1]) & (under_j < b.shape[1])
+    if not there.all():
+        under_i, under_j = under_i[there], under_j[there]
+    return _touching(a, b, under_i, under_j)
+
+
+def _touching(a: Floats, b: Floats, i: Ints, j: Ints) -> tuple[Ints, Ints]:
+    """Return those of the pairs whose boxes touch."""
+    some = np.flatnonzero((a[0][i] <= b[2][j]) & (b[0][j] <= a[2][i]))
+    i, j = i[some], j[some]
+    some = np.flatnonzero((a[1][i] <= b[3][j]) & (b[1][j] <= a[3][i]))
+    return i[some], j[some]
 
 
 def _on(s: Segments, x: Floats, y: Floats) -> Bools:

@@ -19,9 +19,8 @@ from wedmcam.judge.route import Route
 from wedmcam.judge.segments import Bools, Floats, Ints
 from wedmcam.judge.walk import Walk
 
-#: A figure may be told so much larger than it is, um: what a bound leaves open below that is not
-#: worth measuring.
-CLOSE = 0.002
+#: What bounds may leave open of a figure, um: the rounding of float64.
+CLOSE = 1e-6
 
 #: Two neighbours share `SLOP`: one may overrun its end and the other begin before it.
 SHARE = SLOP / 2.0
@@ -115,7 +114,6 @@ class _Held:
     ) -> None:
         self.way, self.index, self.low, self.high = way, index, low, high
         self.route, self.kept = route, kept
-        self.least = np.where(known, bounds.least, 0.0)
         self.deviation = np.where(known, bounds.deviation, np.inf)
         self.stray = np.zeros(len(index))
         self.exact = np.zeros(len(index), bool)
@@ -138,7 +136,6 @@ class _Held:
             self.before[rows],
         )
         self.deviation[rows] = m.deviation
-        self.least[rows] = m.deviation
         self.stray[rows] = m.stray
         self.exact[rows] = True
         if m.gouge > self.gouge:
@@ -161,8 +158,9 @@ class _Held:
         while True:
             wanted = []
             for group in groups:
-                most = float(self.least[group].max(initial=0.0))
-                open_ = group[~self.exact[group] & (self.deviation[group] > most + CLOSE)]
+                done = self.exact[group]
+                most = float(self.deviation[group][done].max(initial=0.0))
+                open_ = group[~done & (self.deviation[group] > most + CLOSE)]
                 wanted.append(_first(open_, self.deviation[open_], take))
             open_ = np.flatnonzero(~self.exact & (deepest > max(self.gouge, 0.0) + CLOSE))
             wanted.append(_first(open_, deepest[open_], take))
@@ -174,15 +172,10 @@ class _Held:
             self.measure(np.flatnonzero(mask))
             take *= 4
         for group in groups:
-            if len(group):
-                # No bound of a block needs to be above the figure of all.
-                done = self.exact[group]
-                most = float(self.deviation[group][done].max(initial=0.0))
-                most = max(most, float(self.least[group].max()) + (0.0 if done.all() else CLOSE))
+            done = self.exact[group]
+            if done.any():
+                most = float(self.deviation[group][done].max())
                 self.deviation[group] = np.minimum(self.deviation[group], most)
-        left = deepest[~self.exact]
-        if len(left) and self.kept is not None:
-            self.gouge = max(self.gouge, float(min(left.max(), max(self.gouge, 0.0) + CLOSE)))
 
 
 def _first(rows: Ints, value: Floats, take: int) -> Ints:

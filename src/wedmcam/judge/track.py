@@ -8,7 +8,7 @@ block by block.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +23,7 @@ NEAR = 2.0
 LOST = 8.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class Track(NamedTuple):
     """Progress of blocks, one entry a cutting block.
 
     Attributes:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 Count = Literal["exact", "textbook"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BlockTable:
+class BlockTable(NamedTuple):
     """One entry a cutting block, in the order of the program. um.
 
     Attributes:
@@ -34,8 +33,7 @@ class BlockTable:
     high: NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class CutVerdict:
+class CutVerdict(NamedTuple):
     """One contour.
 
     Attributes:
@@ -47,8 +45,9 @@ class CutVerdict:
         closed: whether the contour is closed.
         closure_um: |end - start| of a closed contour without leads and overcut; None if open, or
             if the program does not come that far.
-        max_deviation_um: of the contour and its overcut, both ways.
-        lead_deviation_um: of the leads.
+        max_deviation_um: of the contour and its overcut, both ways: a bound, which is no higher
+            than the figure of the program, and exact where that is this contour's.
+        lead_deviation_um: of the leads, likewise.
         length_mm: of the wire's way, leads included.
         backwards: the program runs the contour against the plan's sense (other leads and order
             being allowed).
@@ -67,8 +66,7 @@ class CutVerdict:
     backwards: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Verdict:
+class Verdict(NamedTuple):
     """The figures of a program; see ``docs`` of the fields in the command line's summary.
 
     Attributes:
@@ -95,7 +93,7 @@ class Verdict:
         path_limit_um: the limit of max_deviation_um.
         gouge_limit_um: the limit of gouge_um.
         cuts: one entry a contour that was found.
-        table: one entry a cutting block.
+        make_table: measures every block; see ``table``.
         stepped_closure_um: with "textbook", what a controller that counts steps would do; else
             None.
         stepped_max_deviation_um: likewise.
@@ -103,7 +101,7 @@ class Verdict:
     """
 
     ok: bool
-    count: Count
+    count: Count  # type: ignore[assignment]
     closure_um: float | None
     max_deviation_um: float
     lead_deviation_um: float
@@ -122,7 +120,12 @@ class Verdict:
     path_limit_um: float
     gouge_limit_um: float
     cuts: tuple[CutVerdict, ...]
-    table: BlockTable
+    make_table: Callable[[], BlockTable]
     stepped_closure_um: float | None = None
     stepped_max_deviation_um: float | None = None
     stepped_gouge_um: float | None = None
+
+    @property
+    def table(self) -> BlockTable:
+        """One entry a cutting block, measured when it is asked for."""
+        return self.make_table()

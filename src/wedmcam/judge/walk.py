@@ -6,7 +6,7 @@ end of each arc from J and G and then follows the arc (``textbook``). The judge 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,7 @@ from wedmcam.judge.segments import Bools, Floats, Ints
 from wedmcam.judge.textbook import recomputed_ends
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Walk:
+class Walk(NamedTuple):
     """A program run from its origin.
 
     Attributes:

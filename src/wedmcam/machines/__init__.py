@@ -15,7 +15,12 @@ from wedmcam.machines.machine import Layout, Limits, Machine, Words
 from wedmcam.machines.profile import parse
 
 #: The profile of a format when none is named.
-DEFAULTS: dict[str, str] = {"3b": "b3-compact", "compact": "zd065"}
+DEFAULTS: dict[str, str] = {
+    "3b": "b3-compact",
+    "compact": "zd065",
+    "rotation": "zd065-rotation",
+    "compensation": "zd065-compensation",
+}
 
 
 @cache

@@ -15,7 +15,8 @@ from typing import Any, Literal
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.machines.machine import Layout, Limits, Machine, Words
 
-FORMATS = ("3b", "compact")
+FORMATS = ("3b", "compact", "rotation", "compensation")
+_BINARY = FORMATS[1:]
 _EOL = {"lf": "\n", "crlf": "\r\n", "cr": "\r"}
 _ENCODINGS = ("ascii", "utf-8", "gbk")
 
@@ -81,7 +82,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "count_um": _whole(1, 999_999, True),
         "line_um": _whole(1, 999_999, True),
         "arc_um": _whole(1, 99_999_999, True),
-        "memory_bytes": _whole(13, _UM, formats=("compact",)),
+        "memory_bytes": _whole(18, _UM, formats=_BINARY),
         "blocks": _whole(1, _UM, formats=_B3),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
     },

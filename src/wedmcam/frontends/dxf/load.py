@@ -60,6 +60,7 @@ GEOMETRY = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "SPLINE", "ELLIPS
 _VARIABLE = r"\$%s[ \t]*\r?\n[ \t]*%d[ \t]*\r?\n[ \t]*([^\s]+)"
 _TYPE = re.compile(r"^[ \t]*0[ \t]*\n[ \t]*([A-Z][A-Z0-9_]*)[ \t]*$", re.MULTILINE)
 _NAME = re.compile(r"\n[ \t]*2[ \t]*\n[ \t]*([A-Z]+)")
+_ESCAPE = re.compile(r"\\U\+((?!00[01])(?!D[89A-F])[0-9A-F]{4})", re.IGNORECASE)
 _CONFLICT = re.compile(r"^(?:<{7}(?: .*)?|={7}|>{7}(?: .*)?)$", re.MULTILINE)
 _CODE = re.compile(r"^\s*-?\d+\s*$")
 
@@ -107,11 +108,12 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         shown = conflict.group()[:20]
         return None, (error("merge-conflict", f"a version control conflict: {shown}", span),)
     found: list[Diagnostic] = []
+    original = text
     for repair in REPAIRS:
         text, said = repair(text, header)
         if said:
             found.append(note("repaired-drawing", said, where))
-    return _parsed(text, data, header, file, found)
+    return _parsed(text, data, header, file, found, original)
 
 
 def _decoded(data: bytes) -> tuple[Header, str | None]:
@@ -123,7 +125,18 @@ def _decoded(data: bytes) -> tuple[Header, str | None]:
         return Header(), None
     header = _header(data)
     encoding = "utf-8-sig" if data.startswith(b"\xef\xbb\xbf") else _encoding(header, data)
-    return header, _newlines(data.decode(encoding, "replace"))
+    return header, _unescaped(_newlines(data.decode(encoding, "replace")))
+
+
+def _unescaped(text: str) -> str:
+    """Return text with escapes for characters outside of its code page resolved.
+
+    >>> _unescaped("Fr" + chr(92) + "U+00E4sen")
+    'Fräsen'
+    """
+    if "\\U+" not in text:
+        return text
+    return _ESCAPE.sub(lambda match: chr(int(match.group(1), 16)), text)
 
 
 def _encoding(header: Header, data: bytes) -> str:
@@ -264,7 +277,12 @@ REPAIRS: tuple[Callable[[str, Header], tuple[str, str]], ...] = (_with_version, 
 
 
 def _parsed(
-    text: str | None, data: bytes, header: Header, file: str, found: list[Diagnostic]
+    text: str | None,
+    data: bytes,
+    header: Header,
+    file: str,
+    found: list[Diagnostic],
+    original: str | None = None,
 ) -> tuple[Loaded | None, tuple[Diagnostic, ...]]:
     """Return the document that ezdxf reads from the text, or from the data where that is None."""
     import ezdxf
@@ -283,7 +301,7 @@ def _parsed(
         doc.modelspace()  # a broken layout dictionary shows only now
         lost = _lost(text, doc)
     except Exception as why:  # ezdxf raises whatever a broken file makes it stumble over
-        span, reason, plain = _fault(text, why, file)
+        span, reason, plain = _fault(text, original, why, file)
         saved = None if plain or text is None else _saved(text, header)
         if saved is not None:
             doc, done = saved
@@ -360,10 +378,13 @@ def _text(value: object) -> str | None:
     return None if value is None else str(value)
 
 
-def _fault(text: str | None, why: Exception, file: str) -> tuple[Span, str, bool]:
+def _fault(
+    text: str | None, original: str | None, why: Exception, file: str
+) -> tuple[Span, str, bool]:
     """Return where a file that ezdxf refused is wrong, and whether its data are.
 
-    Wrong data, or missing ones, cannot be had without a guess.
+    Wrong data, or missing ones, cannot be had without a guess. Lines are those of the file, which
+    is ``original``, and not of the repaired text.
     """
     where = FileSpan(file)
     from ezdxf.lldxf.const import DXFError
@@ -371,9 +392,9 @@ def _fault(text: str | None, why: Exception, file: str) -> tuple[Span, str, bool
     reason = str(why).strip().removeprefix("DXFStructureError: ").rstrip(".")
     if not isinstance(why, DXFError):
         reason = f"the reader stumbles over it ({type(why).__name__}: {reason})"
-    if text is None:
+    if text is None or original is None:
         return where, reason, True
-    lines = text.split("\n")
+    lines = original.split("\n")
     for at in range(0, len(lines) - 1, 2):
         code, value = _whole(lines[at]) if _CODE.match(lines[at]) else None, lines[at + 1]
         if code is None:
@@ -391,6 +412,8 @@ def _fault(text: str | None, why: Exception, file: str) -> tuple[Span, str, bool
             "the end of file mark is missing; it may be cut off",
             True,
         )
+    if text is not original:
+        return where, re.sub(r",? *(near|at|in)? *line:? \d+", "", reason), False
     near = re.search(r"line:? (\d+)", reason)
     return TextSpan(file, int(near.group(1)), 1) if near else where, reason, False
 

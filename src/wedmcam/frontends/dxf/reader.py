@@ -23,6 +23,8 @@ from wedmcam.ir.sketch import Sketch, SketchInfo
 
 Rows = NDArray[np.void]
 
+#: Heights that differ by more are meant, um: a taper has its upper and its lower outline.
+TAPER_UM = 100.0
 #: How many handles a finding about many entities names.
 NAMED = 5
 
@@ -197,6 +199,17 @@ def _problems(placed: Placement) -> list[Diagnostic]:
         make, saying, hint = _SAYING[code]
         message = saying.format(n=f"{len(spans)} {kind}", text=text) + _handles(spans)
         found.append(make(code, message, spans[0], hint=hint, count=len(spans)))
+    low, high = min(placed.heights, default=0), max(placed.heights, default=0)
+    if high - low > TAPER_UM:
+        one, two = placed.heights[low], placed.heights[high]
+        text = (
+            f"geometry at heights from {low / 1e3:.3f} to {high / 1e3:.3f} mm: "
+            f"a taper or a body, which is not cut as drawn by a straight wire (#{one.handle} and "
+            f"#{two.handle})"
+        )
+        hint = "lay it flat, or take the layer of one plane with --layer"
+        notes = (("this lies highest", two),)
+        found.append(error("taper", text, one, notes=notes, hint=hint, count=len(placed.heights)))
     if placed.too_large is not None:
         text = "blocks inserted in blocks come to millions of segments; reading stopped"
         found.append(error("too-large", text, placed.too_large))
@@ -303,7 +316,8 @@ def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagn
         why = f"model space is empty; all {paper} entities are in paper space"
         hint = "copy the geometry into model space"
     elif placed.others:
-        why = "it holds no lines, arcs or polylines"
+        kinds = sorted({kind for kind, _ in placed.others})
+        why = f"it holds no lines, arcs or polylines, but {', '.join(kinds[:8])}"
     else:
         why = "model space is empty"
     return error(

@@ -1,0 +1,190 @@
+"""Write the rotation format of the ZD-065.
+
+The controller turns the polar blocks back into whole um. So each block is written with the angle
+and the R for which its data processing gives exactly the block that was proven: R is the rounded
+distance, and the rounded circle through it misses a whole point by less than half a um. Where the
+8 digits fall badly the neighbours are tried; where none fits the block is refused.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.backends.compact import encode as encode_compact
+from wedmcam.backends.fit import Checks, mm
+from wedmcam.controller.processing import POLAR, rotated
+from wedmcam.diag import Diagnostic, Severity, has_errors, warning
+from wedmcam.formats import compact, lines, quadrants, rotation
+from wedmcam.ir.program import Kind, Program
+from wedmcam.machines import Machine
+
+Ints = NDArray[np.int64]
+#: How many units of the last digit of an angle, and um of R, are tried.
+DIGITS, RADII = 12, (0, 1, -1)
+
+
+def encode(
+    program: Program, machine: Machine, positions: NDArray[np.int64] | None = None
+) -> tuple[bytes, list[Diagnostic]]:
+    """Return the rotation data of a program, and what was found.
+
+    Args:
+        program: blocks as for the cutting format.
+        machine: a rotation profile.
+        positions: not needed; writers are called alike.
+
+    Returns:
+        The bytes, empty when there is an error.
+    """
+    _, found = encode_compact(program, machine)
+    found = [d for d in found if d.code != "over-memory"]
+    if has_errors(found):
+        return b"", found
+    blocks = program.blocks
+    kind = blocks["kind"]
+    arc = kind == Kind.ARC
+    straight = (kind == Kind.LINE) | (kind == Kind.MOVE)
+    x, y, count = (blocks[k].astype(np.int64) for k in ("x", "y", "count"))
+    lx, ly, _ = lines.full(x, y, blocks["axis"], count)
+    x, y = np.where(straight, lx, x), np.where(straight, ly, y)
+    checks = Checks(program)
+    length = np.hypot(x, y)
+    checks.tell(
+        Severity.ERROR,
+        "over-limit",
+        straight & (np.floor(length + 0.5) > 999_999),
+        lambda i: f"the line is {mm(float(length[i]))} long; the format holds 999.999 mm",
+    )
+    figure, reached = polar(blocks, x, y)
+    checks.tell(
+        Severity.ERROR,
+        "not-reachable",
+        (arc | straight) & ~reached,
+        lambda i: "no angle of 8 digits and whole R give this block",
+        "--to compact holds it as it is",
+    )
+    found += checks.found
+    if checks.failed:
+        return b"", found
+    data, sizes = _bytes(blocks, figure, x, y)
+    memory = machine.limits.memory_bytes
+    if memory and len(data) > memory:
+        parts = compact.loads(sizes, memory)
+        text = f"{len(data)} bytes; the memory of {machine.name} holds {memory}: {parts} loads"
+        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
+    return data, found
+
+
+def polar(blocks: NDArray[np.void], x: Ints, y: Ints) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
+    """Return polar blocks (dtype `POLAR`) that the controller turns into these, and which do.
+
+    Args:
+        blocks: dtype `BLOCK`.
+        x: um; lines in full.
+        y: likewise.
+    """
+    arc = blocks["kind"] == Kind.ARC
+    moving = arc | (blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.MOVE)
+    figure = np.zeros(len(blocks), dtype=POLAR)
+    figure["kind"], figure["turn"] = blocks["kind"], np.where(arc, blocks["turn"], 0)
+    exact = np.degrees(np.arctan2(y, x)) % 360.0
+    size = np.floor(np.hypot(x, y) + 0.5).astype(np.int64)
+    done = ~moving
+    shifts = sorted(range(-DIGITS, DIGITS + 1), key=abs)
+    for radius in RADII:
+        for digits in shifts:
+            left = np.flatnonzero(~done)
+            if not len(left):
+                return figure, np.ones(len(blocks), dtype=bool)
+            figure["start"][left] = _nudged(exact[left], digits)
+            figure["size"][left] = np.maximum(size[left] + radius, 1)
+            done[left] = _swept(figure, blocks, left, x, y)
+    return figure, done
+
+
+def _nudged(degrees: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
+    """Return the angles rounded to 8 digits, some units of the last digit away, 0 to 360."""
+    exponent, significand = rotation.angle_fields(degrees)
+    moved = np.maximum(significand + digits, 0)
+    value = rotation.angle_value(exponent, moved)
+    exponent, significand = rotation.angle_fields(np.where(value >= 360, value - 360, value))
+    return rotation.angle_value(exponent, significand)
+
+
+def _swept(
+    figure: NDArray[np.void], blocks: NDArray[np.void], rows: Ints, x: Ints, y: Ints
+) -> NDArray[np.bool_]:
+    """Find the subtended angles of ``rows`` in ``figure``; return which rows come out exactly."""
+    count = blocks["count"][rows]
+    arc = blocks["kind"][rows] == Kind.ARC
+    good = np.zeros(len(rows), dtype=bool)
+    for part in (0.0, 0.2, -0.2, 0.4, -0.4):
+        todo = np.flatnonzero(~good & (arc | (part == 0.0)))
+        if not len(todo):
+            break
+        of = rows[todo]
+        sweep = _sweep(figure["start"][of], figure["size"][of], figure["turn"][of],
+                       count[todo] + part)  # fmt: skip
+        exponent, significand = rotation.angle_fields(np.clip(sweep, 0.0, 999.0))
+        sweep = rotation.angle_value(exponent, significand)
+        figure["sweep"][of] = np.where(arc[todo], sweep, 0.0)
+        made = rotated(figure[of])
+        same = (made["x"] == x[of]) & (made["y"] == y[of])
+        good[todo] = same & (~arc[todo] | (made["count"] == count[todo]))
+    return good
+
+
+def _sweep(
+    start: NDArray[np.float64],
+    radius: Ints,
+    turn: NDArray[np.int8],
+    count: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return the angle, degrees, over which an arc counts J on the inscribed square."""
+    root = np.sqrt(2.0)
+    n = np.floor(start / 90.0 + 0.5)
+    c = root * n + np.sin(np.radians(start - 90.0 * n)) + turn * count / np.maximum(radius, 1)
+    m = np.floor(c / root + 0.5)
+    end = 90.0 * m + np.degrees(np.arcsin(np.clip(c - root * m, -1.0, 1.0)))
+    return np.asarray(np.abs(end - start))
+
+
+def _bytes(
+    blocks: NDArray[np.void], figure: NDArray[np.void], x: Ints, y: Ints
+) -> tuple[bytes, Ints]:
+    """Return the data with the end byte, and the size of each block."""
+    kind, turn = blocks["kind"], blocks["turn"]
+    arc, move = kind == Kind.ARC, kind == Kind.MOVE
+    straight = move | (kind == Kind.LINE)
+    end = (kind == Kind.STOP) | (kind == Kind.END)
+    after_move = np.zeros(len(kind), dtype=bool)
+    after_move[1:] = move[:-1]
+    thread = (kind == Kind.THREAD) | ((kind == Kind.PAUSE) & after_move)
+    base = np.select(
+        [arc & (turn > 0), arc, move, straight, thread],
+        [compact.CCW, compact.CW, compact.MOVE, compact.LINE, compact.THREAD],
+        compact.PAUSE,
+    )
+    quadrant = quadrants.quadrant(x, y, turn)
+    code = (base + np.where(arc | straight, quadrant, 0)).astype(np.uint8)
+    sizes = np.frombuffer(rotation.LENGTH, dtype=np.uint8)[code].astype(np.int64)
+    sizes[end] = 0
+    at = np.cumsum(sizes) - sizes
+    data = np.zeros(int(sizes.sum()) + 1, dtype=np.uint8)
+    data[at[~end]] = code[~end]
+
+    def column(which: NDArray[np.bool_], offset: int, size: int, of: Ints) -> None:
+        place = at[which][:, None] + offset + np.arange(size)
+        data[place] = compact.column_to_bcd(of[which], size)
+
+    moving = arc | straight
+    exponent, significand = rotation.angle_fields(figure["start"])
+    column(moving, 1, 1, exponent)
+    column(moving, 2, 4, significand)
+    column(arc, 6, 4, figure["size"])
+    column(straight, 6, 3, figure["size"])
+    exponent, significand = rotation.angle_fields(figure["sweep"])
+    column(arc, 10, 1, exponent)
+    column(arc, 11, 4, significand)
+    return data.tobytes(), sizes

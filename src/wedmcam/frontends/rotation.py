@@ -1,0 +1,103 @@
+"""Read the rotation format of the ZD-065.
+
+`read` returns the polar blocks as they stand there, `decode` the cutting program that the
+controller's data processing makes of them with a number of copies: that is what would be cut.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.controller.processing import POLAR, rotated
+from wedmcam.diag import Diagnostic, Severity
+from wedmcam.formats import rotation
+from wedmcam.frontends.stream import Stream, mm
+from wedmcam.ir.program import Kind, Program
+from wedmcam.machines import Machine
+
+
+def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
+    """Return the polar blocks of rotation data (dtype `POLAR`), and what was found.
+
+    Blocks in error are left out. Never raises.
+    """
+    stream, figure = _fields(data, file)
+    stream.tell_digits()
+    _check(stream, figure)
+    _, found = stream.finish(rotated(_safe(figure, stream)), machine)
+    return figure[stream.good], found
+
+
+def decode(
+    data: bytes, machine: Machine, file: str, copies: int = 0, step: float = 0.0
+) -> tuple[Program, list[Diagnostic]]:
+    """Return the cutting program that the controller makes of rotation data.
+
+    Args:
+        data: any bytes; never raises.
+        machine: its limits.
+        file: name for the spans.
+        copies: of the figure, 0 to 99 [S].
+        step: degrees between copies.
+    """
+    stream, figure = _fields(data, file)
+    stream.tell_digits()
+    _check(stream, figure)
+    blocks = rotated(_safe(figure, stream))
+    x, y = blocks["x"], blocks["y"]
+    stream.tell_blocks(x, y, blocks["count"], machine)
+    stream.tell_quadrants(x, y)
+    program, found = stream.finish(blocks, machine)
+    if copies and stream.good.any():
+        kept = figure[stream.good]
+        tail = program.blocks[len(kept) :]
+        program = Program(np.concatenate([rotated(kept, copies, step), tail]))
+    return program, found
+
+
+def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
+    s = Stream(data, rotation.LENGTH, file)
+    both = s.arc | s.straight
+    figure = np.zeros(len(s.starts), dtype=POLAR)
+    figure["kind"], figure["turn"] = s.kind, s.turn
+    exponent = s.column(both, 1, 1)
+    significand = s.column(both, 2, 4)
+    figure["start"] = rotation.angle_value(exponent, significand)
+    figure["size"] = s.column(s.arc, 6, 4) + s.column(s.straight, 6, 3)
+    figure["sweep"] = rotation.angle_value(s.column(s.arc, 10, 1), s.column(s.arc, 11, 4))
+    return s, figure
+
+
+def _check(s: Stream, figure: NDArray[np.void]) -> None:
+    start, sweep = figure["start"], figure["sweep"]
+    s.tell(
+        Severity.ERROR,
+        "bad-angle",
+        (s.arc | s.straight) & (start >= 360),
+        lambda i: f"the angle {start[i]:.6g} degrees is not below 360",
+    )
+    # A few steps more than a turn close a small circle.
+    room = 360 + 360 / np.maximum(figure["size"], 1)
+    s.tell(
+        Severity.ERROR,
+        "bad-angle",
+        s.arc & ((sweep <= 0) | (sweep > room + 1)),
+        lambda i: f"the arc covers {sweep[i]:.6g} degrees; it must be above 0 and up to 360",
+    )
+    s.tell(
+        Severity.ERROR,
+        "over-limit",
+        s.arc & (figure["size"] > 10_000_000),
+        lambda i: f"the radius is {mm(int(figure['size'][i]))}, the largest is 10000.000 mm",
+    )
+
+
+def _safe(figure: NDArray[np.void], s: Stream) -> NDArray[np.void]:
+    """Return the figure with blocks in error made harmless; they are left out in the end."""
+    out = figure.copy()
+    bad = ~s.good & (s.arc | s.straight)
+    out["kind"][bad] = Kind.LINE
+    for name, value in (("turn", 0), ("start", 0.0), ("size", 1), ("sweep", 0.0)):
+        out[name][bad] = value
+    return out

@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "wedmcam"
-SHELL = {"__init__", "__main__", "cli", "api", "pipeline", "inspection"}
+SHELL = {"__init__", "__main__", "cli", "api", "pipeline", "inspection", "metamorphic"}
 
 
 def _table() -> dict[str, tuple[set[str], set[str]]]:

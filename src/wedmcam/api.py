@@ -19,6 +19,7 @@ from wedmcam.options import Options, WrongUse
 from wedmcam.pipeline import Drawn, Refused, Run
 
 if TYPE_CHECKING:
+    from wedmcam.judge.difference import Difference
     from wedmcam.judge.verdict import Verdict
 
 Source = str | Path | bytes
@@ -102,7 +103,7 @@ def compile(
         drawn = pipeline.read(data, name, options, run)
         plan = pipeline.plan(drawn, options, run)
         lowered = pipeline.lower(plan, machine, options, run)
-        out = pipeline.encode(lowered, machine, run)
+        out = pipeline.encode(lowered, machine, run, plan, options)
         program, verdict = pipeline.prove(
             out, output_name or "program", plan, machine, options, run, origin=lowered.origin
         )
@@ -223,6 +224,7 @@ def _summary(
         profile_name=machine.name,
         profile_bytes=repr(machine).encode(),
         join_um=drawn.report.max_shift_um if drawn else 0.0,
+        spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
         options=options.as_data(),
         version=__version__,
     )
@@ -299,10 +301,11 @@ def verify(
     plan: Plan | None = None
     verdict: Verdict | None = None
     drawn: Drawn | None = None
+    told: dict[str, Any] = {}
     drawing, drawing_name = (b"", "") if against is None else _bytes(against, against_name)
     stage = ""
     try:
-        decoded = _decode(data, name, machine, run)
+        decoded = _decode(data, name, machine, run, options)
         if certificate is not None:
             run.add("certificate", _check_certificate(certificate, data, drawing, machine))
             if origin_mm is None and _same(certificate, "output", data):
@@ -312,12 +315,17 @@ def verify(
             drawn = pipeline.read(drawing, drawing_name, options, run)
             plan = pipeline.plan(drawn, options, run)
             decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm)
+        else:
+            from wedmcam.judge.figures import figures as figures_of
+
+            told, found = figures_of(decoded, LineTable(machine.line_table), machine.limits)
+            run.add("verify", found)
     except Refused as why:
         stage = why.stage
     errors = has_errors(run.found)
     status = 0 if not errors else (3 if stage in ("verify", "certificate") else 1)
     summary = _proof_summary(
-        run, machine, options, name, data, drawing_name, drawing, drawn, decoded, verdict
+        run, machine, options, name, data, drawing_name, drawing, drawn, told, verdict
     )
     return Proof(not errors, decoded, verdict, plan, machine, summary, tuple(run.found), status)
 
@@ -334,17 +342,14 @@ def read_program(
     machine = _reader_machine(data, name, format, profile)
     run = Run()
     try:
-        decoded = _decode(data, name, machine, run)
+        decoded = _decode(data, name, machine, run, Options())
     except Refused:
         return None, machine, tuple(run.found)
     return decoded, machine, tuple(run.found)
 
 
-def _decode(data: bytes, name: str, machine: Machine, run: Run) -> Program:
-    from wedmcam.frontends import decoder
-
-    program: Program = run("decode", decoder(machine.format)(data, machine, name))
-    return program
+def _decode(data: bytes, name: str, machine: Machine, run: Run, options: Options) -> Program:
+    return run("decode", pipeline.decode(data, machine, name, options))
 
 
 def _reader_machine(
@@ -443,7 +448,7 @@ def _proof_summary(
     drawing_name: str,
     drawing: bytes,
     drawn: Drawn | None,
-    decoded: Program | None,
+    told: dict[str, Any],
     verdict: Verdict | None,
 ) -> dict[str, Any]:
     if verdict is not None:
@@ -454,8 +459,7 @@ def _proof_summary(
         return summary
     summary = _summary(run.found, machine, options, drawing_name, drawing, name, None, drawn, None)
     summary |= {"input": drawing_name or None, "output": name, "side": None, "offset_um": None}
-    if decoded is not None:
-        summary |= figures(decoded, machine)
+    summary |= told
     if not drawing:
         del summary["sha256"]
         summary["ok"] = not has_errors(run.found)
@@ -463,42 +467,88 @@ def _proof_summary(
 
 
 def figures(program: Program, machine: Machine) -> dict[str, Any]:
-    """Return what a program does by itself: blocks, steps, where it ends, its extents.
+    """Return what a program does by itself: blocks, steps, closure, extents, limits, reversals."""
+    from wedmcam.judge.figures import figures as figures_of
 
-    ``closure_um`` is the distance between the first and the last position of the whole program.
+    return figures_of(program, LineTable(machine.line_table), machine.limits)[0]
+
+
+def minutes(path_mm: float, feed_um: float) -> float:
+    """Return the cutting time of a path at ``feed_um`` a minute, without moves and threading.
+
+    >>> minutes(120.0, 2500.0)
+    48.0
     """
-    import numpy as np
+    return round(1000.0 * path_mm / feed_um, 2)
 
-    from wedmcam.controller import run as run_blocks
-    from wedmcam.ir.program import Kind
 
-    motion = run_blocks(program.blocks, LineTable(machine.line_table))
-    kind = program.blocks["kind"]
-    cutting = (kind == Kind.LINE) | (kind == Kind.ARC)
-    x, y = np.cumsum(motion.dx), np.cumsum(motion.dy)
-    cuts = int(np.sum(kind == Kind.MOVE) + 1) if cutting.any() else 0
-    closure = float(np.hypot(x[-1], y[-1])) if len(x) else 0.0
+def diff(
+    a: Source,
+    b: Source,
+    *,
+    within_mm: float = 0.001,
+    names: tuple[str | None, str | None] = (None, None),
+    profiles: tuple[Machine | str | None, Machine | str | None] = (None, None),
+) -> tuple[Difference | None, tuple[Diagnostic, ...]]:
+    """Compare two programs of any formats as step paths; see ``judge.difference``.
+
+    Returns:
+        The difference; None where one cannot be read. And the findings of both readers.
+    """
+    from wedmcam.judge.difference import difference
+
+    read = [
+        read_program(source, profile=profile, name=name)
+        for source, name, profile in zip((a, b), names, profiles, strict=True)
+    ]
+    found = tuple(d for _, _, some in read for d in some)
+    (one, machine_a, _), (two, machine_b, _) = read
+    if one is None or two is None:
+        return None, found
+    tables = LineTable(machine_a.line_table), LineTable(machine_b.line_table)
+    return difference(one, two, *tables, 1000.0 * within_mm), found
+
+
+def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]:
+    """Return a difference as plain data."""
+    apart = d.distance_um if d.distance_um < float("inf") else None
     return {
-        "contours": cuts,
-        "blocks": int(cutting.sum()),
-        "steps": int(motion.steps[cutting].sum()),
-        "closure_um": closure,
-        "end_um": [int(x[-1]), int(y[-1])] if len(x) else [0, 0],
-        "extents_um": [
-            int(min(x.min(), 0)),
-            int(min(y.min(), 0)),
-            int(max(x.max(), 0)),
-            int(max(y.max(), 0)),
-        ]
-        if len(x)
-        else [0, 0, 0, 0],
-        "limits": {
-            "count_um": [
-                int(program.blocks["count"].max(initial=0)),
-                machine.limits.count_um,
-            ]
-        },
+        "a": a,
+        "b": b,
+        "equal": d.equal,
+        "largest_um": round(d.largest_um, 3) if d.largest_um < float("inf") else None,
+        "block_a": d.block_a or None,
+        "block_b": d.block_b or None,
+        "at_um": None if d.equal else list(d.at),
+        "distance_um": None if d.equal or apart is None else round(apart, 3),
+        "what": d.what,
     }
+
+
+def with_images(proof: Proof, drawing: bytes, name: str, options: Options) -> Proof:
+    """Return a proof with that of the images of the drawing; see ``wedmcam.metamorphic``."""
+    from dataclasses import replace
+
+    from wedmcam.judge.certificate import finding_data
+    from wedmcam.metamorphic import metamorphic
+
+    images, found = metamorphic(drawing, name, proof.machine, options)
+    said = {(d.code, d.message) for d in proof.findings}
+    new = [d for d in found if (d.code, d.message) not in said]
+    bad = has_errors(new)
+    summary = {
+        **proof.summary,
+        "metamorphic": [image._asdict() for image in images],
+        "diagnostics": [*proof.summary["diagnostics"], *(finding_data(d) for d in new)],
+        "ok": proof.ok and not bad,
+    }
+    return replace(
+        proof,
+        ok=proof.ok and not bad,
+        summary=summary,
+        findings=(*proof.findings, *new),
+        status=proof.status or (3 if bad else 0),
+    )
 
 
 # --- inspect and plot ----------------------------------------------------------------------------

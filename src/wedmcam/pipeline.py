@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from wedmcam.arithmetic import FLOAT64
-from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.diag import Diagnostic, Severity, has_errors, note
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan, Side
 from wedmcam.ir.program import LineTable, Program
 from wedmcam.ir.sketch import Sketch, ThreadPoint
 from wedmcam.machines import Machine
-from wedmcam.options import Options
+from wedmcam.options import Options, WrongUse
 
 if TYPE_CHECKING:
     from wedmcam.judge.verdict import Verdict
@@ -89,6 +89,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         fill_in_units=options.fill_in_units,
         layers=options.layers,
         ignore_layers=options.ignore_layers,
+        tolerance_um=options.tolerance_um,
     )
     sketch = run("read", read_dxf(data, file, asked))
     contours, report, found = chain(sketch, options.join_um)
@@ -154,12 +155,44 @@ def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
     return run("lower", lower_plan(made, target))
 
 
-def encode(program: Program, machine: Machine, run: Run) -> bytes:
-    """Return the bytes of a program."""
+def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Options) -> bytes:
+    """Return the bytes of a program.
+
+    A format that is no cutting program (rotation, compensation) is written so that the controller's
+    own data processing makes this program of it.
+    """
     from wedmcam.backends import encoder
 
-    data: bytes = run("encode", encoder(machine.format)(program, machine))
+    more = processing(machine, options)
+    if machine.format == "compensation":
+        from wedmcam.transforms import zd065
+
+        run.add("encode", zd065.corners(made))
+        more["grown"] = zd065.grown(made, program)
+    data: bytes = run("encode", encoder(machine.format)(program, machine, **more))
     return data
+
+
+def processing(machine: Machine, options: Options) -> dict[str, Any]:
+    """Return what the operator enters beside a file: the gap and its side for compensation."""
+    if machine.format != "compensation":
+        return {}
+    gap = options.offset_um or 0.0
+    if abs(gap - round(gap)) > 1e-6:
+        raise WrongUse(f"the gap of the compensation format is whole um, not {gap:g}")
+    return {"gap_um": round(gap), "outwards": options.effective_side is not Side.DIE}
+
+
+def decode(
+    data: bytes, machine: Machine, file: str, options: Options
+) -> tuple[Program, list[Diagnostic]]:
+    """Return the cutting program that a file means to its controller."""
+    from wedmcam.frontends import decoder
+
+    made: tuple[Program, list[Diagnostic]] = decoder(machine.format)(
+        data, machine, file, **processing(machine, options)
+    )
+    return made
 
 
 def prove(
@@ -176,10 +209,9 @@ def prove(
     """Decode the bytes that are to be written, run them, and compare with the plan and the part."""
     from dataclasses import replace as changed
 
-    from wedmcam.frontends import decoder
     from wedmcam.judge.judge import judge
 
-    decoded, found = decoder(machine.format)(data, machine, file)
+    decoded, found = decode(data, machine, file, options)
     # Notes of the reader say how it understood a foreign file; and what the writer said of its own
     # file (it needs two loads, say) need not be said twice.
     said = {(d.code, d.message) for d in run.found}
@@ -195,6 +227,16 @@ def prove(
         strict_order=strict_order,
         trimmed=options.trim,
     )
+    if machine.format == "compensation" and has_errors(found):
+        found = [
+            *found,
+            note(
+                "not-reachable",
+                "the controller scales and rounds the arcs of this format: some gaps come out "
+                "farther from the path than is allowed",
+                hint="another gap by some um, or --to compact",
+            ),
+        ]
     run.add("verify", found)
     return decoded, verdict
 
@@ -211,6 +253,7 @@ __all__ = [
     "Run",
     "Side",
     "count_of",
+    "decode",
     "encode",
     "lower",
     "plan",

@@ -1,11 +1,14 @@
 """Real drawings: what each must come to, in ``expected.tsv``.
 
 The drawings are not part of the project: WEDMCAM_CORPUS names their folder, and without it these
-tests skip. Columns: ``units`` given where the drawing has none (or wrong ones); ``contours`` closed
-and open ones, - where none is found; ``errors`` and ``others``, codes found in reading and
-chaining; ``compile``, for files that are parts: "offset" compiles with an offset of 0.05 mm on the kept side,
-else the codes that refuse it, and ";on" where it compiles on the line; ``comment``, why not as
-drawn, or not as the collectors counted.
+tests skip. Columns:
+
+- ``units``, given where the drawing has none, or wrong ones;
+- ``contours``, closed and open ones, - where none is found;
+- ``errors`` and ``others``: codes found in reading and chaining;
+- ``compile``, of parts: "offset" compiles with an offset of 0.05 mm on the kept side, else the
+  codes that refuse it, and ";on" where it compiles on the line;
+- ``comment``: why not as drawn, or not as the collectors counted.
 """
 
 import csv

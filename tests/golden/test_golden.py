@@ -20,6 +20,9 @@ CASES = [
         "gear-24": {"offset": 0.1},
         "plate": {"offset": 0.1},
         "bracket-inch": {"offset": 0.1},
+        "cam": {"offset": 0.1},
+        "cover": {"offset": 0.1},
+        "damaged": {"offset": 0.1, "units": "mm"},
     }.items()
     for ending in (".3b", ".zd")
 ] + [

@@ -69,3 +69,34 @@ def test_dump_compact():
     rows = list(dump(program, machine))
     assert [r.where for r in rows] == ["0x0000", "0x0007", "0x000e"]
     assert [r.end for r in rows] == [(17000, 5000), (34000, 10000), (34000, 10000)]
+
+
+ROTATION = bytes.fromhex("01 02 30000000 020000  21 00 00000000 00010000 02 90000000")
+GAP = bytes.fromhex("01 006000 000000  24 01 00002000 00000000 00002000 002828")
+
+
+@pytest.mark.parametrize(
+    ("data", "want", "reason"),
+    [
+        (ROTATION + b"\0", ("rotation", 2, 24, None, True), "rotation format: 2 blocks"),
+        (ROTATION[:9] + b"\0", ("rotation", 1, 9, None, False), "would also do as compact cutting"),
+        (ROTATION, ("rotation", 2, 23, None, False), "then the data stop without an end byte"),
+        (ROTATION + ROTATION + b"\x77", ("rotation", 4, 47, 48, False), "damaged at 0x0030"),
+        (GAP + b"\0\0", ("compensation", 2, 24, None, True), "gap-compensation format: 2 blocks"),
+        (GAP[:7] + b"\0", ("compact", 1, 7, None, False), "the compensation format has the same"),
+    ],
+)
+def test_the_three_formats_are_told_apart(data, want, reason):
+    got = identify(data)
+    assert (got.format, got.blocks, got.last_address, got.bad_address, got.certain) == want
+    assert reason in got.reason
+
+
+def test_random_bytes_are_called_random():
+    import random
+
+    rng = random.Random(65)
+    named = sum(
+        identify(rng.randbytes(rng.randrange(1, 400))).format != "unknown" for _ in range(3000)
+    )
+    assert named <= 3  # a lone 0 is empty memory

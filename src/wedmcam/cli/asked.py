@@ -96,6 +96,10 @@ machine_options = _stack(
     ),
 )
 
+feed_option = click.option(
+    "--feed", "feed_um", type=LENGTH, help="Cutting speed, a length a minute: tells the time."
+)
+
 said_options = _stack(
     click.option("--strict", is_flag=True, help="Warnings are errors."),
     click.option("--json", "json_", is_flag=True, help="Summary on standard output."),
@@ -146,6 +150,20 @@ def options_of(asked: dict[str, Any]) -> Options:
         count=asked["count"],
         strict=asked.get("strict", False),
     )
+
+
+def feed_of(asked: dict[str, Any]) -> float | None:
+    """Return ``--feed`` in um a minute, taken out of what click collected.
+
+    Raises:
+        WrongUse: it is not positive.
+    """
+    from wedmcam.options import WrongUse
+
+    feed: float | None = asked.pop("feed_um")
+    if feed is not None and feed <= 0:
+        raise WrongUse("--feed must be positive")
+    return feed
 
 
 def machine_of(profile: str | None, to: str | None) -> Machine:

@@ -11,8 +11,8 @@ import click
 
 from wedmcam import __version__
 from wedmcam.cli import asked as ask
-from wedmcam.cli.files import check_outputs, read_input, write_outputs
-from wedmcam.cli.lengths import POINT
+from wedmcam.cli.files import Failed, check_outputs, read_input, write_outputs
+from wedmcam.cli.lengths import LENGTH, POINT
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -30,10 +30,15 @@ def cli() -> None:
 @cli.command("compile")
 @click.argument("input_")
 @click.option("-o", "--output", required=True, help="Where the program goes; - for stdout.")
-@click.option("--to", metavar="FORMAT", help="3b or compact; by default from the output's name.")
+@click.option(
+    "--to",
+    metavar="FORMAT",
+    help="3b, compact, rotation or compensation; by default from the output's name.",
+)
 @ask.compile_options
 @click.option("--certificate", metavar="FILE.json", help="Write the certificate there.")
 @click.option("--plot", "plot_", metavar="FILE.svg", help="Draw the verified program there.")
+@ask.feed_option
 @ask.said_options
 def compile_command(
     input_: str,
@@ -48,6 +53,7 @@ def compile_command(
     Nothing is written that was not decoded again, stepped on the controller and compared with the
     drawing.
     """
+    feed = ask.feed_of(asked)
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
     machine = ask.machine_of(asked["profile"], ask.format_of(output, to, machine))
     outputs = [name for name in (output, certificate, plot_) if name is not None]
@@ -76,14 +82,15 @@ def compile_command(
     write_outputs(files)
     if not asked["quiet"]:
         say.say_report(made, output)
+        say.say_time(made.summary, feed)
     if asked["json_"]:
-        say.say_json(made.summary)
+        say.say_json(say.with_time(made.summary, feed))
     return 0
 
 
 @cli.command("check")
 @click.argument("input_")
-@click.option("--to", metavar="FORMAT", help="3b (default) or compact.")
+@click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
 @ask.compile_options
 @ask.said_options
 def check_command(input_: str, to: str | None, **asked: Any) -> int:
@@ -123,7 +130,7 @@ def _name(path: str) -> str:
 @cli.command("batch")
 @click.argument("inputs", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR", help="Folder of the programs.")
-@click.option("--to", metavar="FORMAT", help="3b (default) or compact.")
+@click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
 @click.option("--jobs", type=click.IntRange(0, 256), default=0, help="Processes; 0: one a core.")
 @click.option("--force-units", is_flag=True, help="--units overrides what drawings say.")
 @ask.compile_options
@@ -163,7 +170,12 @@ def batch_command(
 @cli.command("verify")
 @click.argument("program")
 @click.option("--against", metavar="INPUT", help="The drawing that the program is to cut.")
-@click.option("--format", "format_", metavar="FORMAT", help="3b or compact; else by name, content.")
+@click.option(
+    "--format",
+    "format_",
+    metavar="FORMAT",
+    help="3b, compact, rotation, compensation; else by name, content.",
+)
 @click.option("--origin", type=POINT, help="Where the program starts in the drawing, X,Y in mm.")
 @click.option(
     "--certificate",
@@ -172,7 +184,14 @@ def batch_command(
     "it there.",
 )
 @click.option("--plot", "plot_", metavar="FILE.svg", help="Draw the program there.")
+@click.option(
+    "--metamorphic",
+    is_flag=True,
+    help="Also compile the drawing rotated, mirrored, reversed and threaded elsewhere: programs must "
+    "be images of each other.",
+)
 @ask.compile_options
+@ask.feed_option
 @ask.said_options
 def verify_command(
     program: str,
@@ -181,6 +200,7 @@ def verify_command(
     origin: tuple[float, float] | None,
     certificate: str | None,
     plot_: str | None,
+    metamorphic: bool,
     **asked: Any,
 ) -> int:
     """Decode a program, run it on the controller's interpolator, compare it with the drawing."""
@@ -188,6 +208,7 @@ def verify_command(
     from wedmcam.cli import say
     from wedmcam.options import Options
 
+    feed = ask.feed_of(asked)
     issued = _issued(certificate)
     if issued is not None and against is None:
         against = _drawing_of(issued, str(certificate))
@@ -213,6 +234,10 @@ def verify_command(
         certificate=issued,
         options=options,
     )
+    if metamorphic:
+        if against is None:
+            raise click.UsageError("--metamorphic compiles the drawing: give --against INPUT")
+        proof = api.with_images(proof, read_input(against), against, options)
     say.say_findings(proof.findings, _name(program), asked["quiet"])
     files = []
     if certificate is not None and issued is None and proof.ok:
@@ -221,9 +246,10 @@ def verify_command(
         files.append((plot_, _picture(proof, Path(program).name, plot_)))
     write_outputs(files)
     if asked["json_"]:
-        say.say_json(proof.summary)
+        say.say_json(say.with_time(proof.summary, feed))
     elif not asked["quiet"]:
         _say_proof(proof, asked["verbose"])
+        say.say_time(proof.summary, feed)
     return proof.status
 
 
@@ -269,13 +295,59 @@ def _say_proof(proof: Any, verbose: bool) -> None:
                     f"{t.low[k]:9.2f} {t.high[k]:9.2f}",
                     err=True,
                 )
+        for image in proof.summary.get("metamorphic", ()):
+            off = "-" if image["deviation_um"] is None else f"{image['deviation_um']:.2f} um"
+            click.echo(f"image      {image['name']}: {off} {image['why']}".rstrip(), err=True)
     elif proof.program is not None and proof.ok:
-        s = proof.summary
-        click.echo(
-            f"{s['blocks']} blocks, {s['steps']} steps, ends {s['closure_um']:.0f} um from its "
-            "start; give --against DRAWING to prove the part",
-            err=True,
-        )
+        say.say_figures(proof)
+
+
+@cli.command("diff")
+@click.argument("a")
+@click.argument("b")
+@click.option("--within", "within_um", type=LENGTH, default="1um", help="As far apart is equal.")
+@click.option("--profile", metavar="NAME|FILE", help="Of the first; by name and content else.")
+@click.option("--profile-b", metavar="NAME|FILE", help="Of the second.")
+@click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
+@click.option("-q", "--quiet", is_flag=True, help="Only the exit status.")
+def diff_command(
+    a: str,
+    b: str,
+    within_um: float,
+    profile: str | None,
+    profile_b: str | None,
+    json_: bool,
+    quiet: bool,
+) -> int:
+    """Two programs, any formats, compared as step paths.
+
+    Exit status: 0 equal, 1 different, 2 one cannot be read. Blocks need not match; leads and moves
+    count. Where the programs start does not.
+    """
+    from wedmcam import api
+    from wedmcam.cli import say
+
+    machines = [ask.machine_of(p, None) if p else None for p in (profile, profile_b)]
+    try:
+        one, two = read_input(a), read_input(b)
+    except Failed as why:
+        why.exit_code = 2
+        raise
+    found, said = api.diff(
+        one,
+        two,
+        within_mm=within_um / 1000,
+        names=(_name(a), _name(b)),
+        profiles=(machines[0], machines[1]),
+    )
+    if found is None:
+        say.say_findings(said, a)
+        return 2
+    if json_:
+        say.say_json(api.difference_data(found, a, b))
+    elif not quiet:
+        say.say_difference(found, a, b)
+    return 0 if found.equal else 1
 
 
 @cli.command("inspect")
@@ -350,7 +422,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
 def _is_program(data: bytes) -> bool:
     from wedmcam.frontends.identify import identify
 
-    return identify(data).format in ("3b", "compact")
+    return identify(data).format in ("3b", "compact", "rotation", "compensation")
 
 
 PICTURES = (".svg", ".png")
@@ -392,7 +464,12 @@ def identify_command(file: str, json_: bool) -> int:
 
 @cli.command("dump")
 @click.argument("file")
-@click.option("--format", "format_", metavar="FORMAT", help="3b or compact; else by name, content.")
+@click.option(
+    "--format",
+    "format_",
+    metavar="FORMAT",
+    help="3b, compact, rotation, compensation; else by name, content.",
+)
 @ask.machine_options
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 def dump_command(file: str, format_: str | None, profile: str | None, json_: bool) -> int:
@@ -401,34 +478,63 @@ def dump_command(file: str, format_: str | None, profile: str | None, json_: boo
     from wedmcam.cli import say
     from wedmcam.cli.tables import dump_lines, dump_rows
     from wedmcam.diag import has_errors
+    from wedmcam.frontends.dump import stated
 
     machine = ask.machine_of(profile, format_) if profile or format_ else None
-    program, used, found = api.read_program(read_input(file), profile=machine, name=_name(file))
+    data = read_input(file)
+    program, used, found = api.read_program(data, profile=machine, name=_name(file))
     say.say_findings(found, _name(file))
     if program is None:
         return 1
+    said = {f"{at:#06x}": text for at, text in stated(data, used.format).items()}
     if json_:
-        say.say_json(dump_rows(program, used))
+        rows = dump_rows(program, used)
+        say.say_json([{**r, "stated": said[r["where"]]} if r["where"] in said else r for r in rows])
     else:
         for line in dump_lines(program, used):
-            click.echo(line)
+            more = said.get(line[7:13], "")
+            click.echo(f"{line}   {more}" if more else line)
     return 1 if has_errors(found) else 0
 
 
 @cli.command("explain")
-@click.argument("code")
-def explain_command(code: str) -> int:
-    """A diagnostic: what it found, why it matters, what to do."""
+@click.argument("what", metavar="CODE|FILE")
+@click.option("--block", type=click.IntRange(1), metavar="N", help="Explain this block of FILE.")
+@ask.machine_options
+def explain_command(what: str, block: int | None, profile: str | None) -> int:
+    """A diagnostic; or one block of a program: geometry, quadrant, count axis, J, first steps."""
+    if block is not None:
+        return _explain_block(what, block, profile)
     from wedmcam.diag import CODES
 
-    if code not in CODES:
+    if what not in CODES:
         import difflib
 
-        near = difflib.get_close_matches(code, CODES, 3, 0.5)
+        near = difflib.get_close_matches(what, CODES, 3, 0.5)
         hint = f"; did you mean {', '.join(near)}?" if near else ""
-        raise click.UsageError(f"there is no diagnostic '{code}'{hint}")
-    entry = CODES[code]
-    click.echo(f"{code}\n  what   {entry.what}\n  why    {entry.why}\n  cure   {entry.cure}")
+        if Path(what).is_file():
+            hint = ": to explain a block of a program give --block N"
+        raise click.UsageError(f"there is no diagnostic '{what}'{hint}")
+    entry = CODES[what]
+    click.echo(f"{what}\n  what   {entry.what}\n  why    {entry.why}\n  cure   {entry.cure}")
+    return 0
+
+
+def _explain_block(file: str, number: int, profile: str | None) -> int:
+    from wedmcam import api
+    from wedmcam.cli import say
+    from wedmcam.cli.block import explain_block
+
+    machine = ask.machine_of(profile, None) if profile else None
+    data = read_input(file)
+    program, used, found = api.read_program(data, profile=machine, name=_name(file))
+    if program is None:
+        say.say_findings(found, _name(file))
+        return 1
+    if number > len(program.blocks):
+        raise click.UsageError(f"{file} has {len(program.blocks)} blocks, there is no {number}")
+    for line in explain_block(program, used, data, number):
+        click.echo(line)
     return 0
 
 
@@ -445,7 +551,7 @@ def profile_list() -> int:
     for name in machines.names():
         machine = machines.builtin(name)
         mark = " (default)" if machines.DEFAULTS.get(machine.format) == name else ""
-        click.echo(f"{name:12}  {machine.format:8}  {machine.title}{mark}")
+        click.echo(f"{name:18}  {machine.format:12}  {machine.title}{mark}")
     return 0
 
 

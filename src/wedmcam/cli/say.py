@@ -14,6 +14,7 @@ from wedmcam.diag import Diagnostic, Severity
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation, Proof
+    from wedmcam.judge.difference import Difference
 
 
 def coloured() -> bool:
@@ -38,6 +39,68 @@ def say_json(data: Any) -> None:
 def certificate_bytes(data: dict[str, Any]) -> bytes:
     """Return a certificate as it is written to a file."""
     return (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def with_time(summary: dict[str, Any], feed_um: float | None) -> dict[str, Any]:
+    """Return a summary with the cutting time in minutes, where a feed was given."""
+    from wedmcam.api import minutes
+
+    path = summary.get("path_mm")
+    if feed_um is None or path is None:
+        return summary
+    return {**summary, "feed_mm_per_min": feed_um / 1000, "minutes": minutes(path, feed_um)}
+
+
+def say_time(summary: dict[str, Any], feed_um: float | None) -> None:
+    """Print the cutting time where a feed was given."""
+    timed = with_time(summary, feed_um)
+    if "minutes" in timed:
+        whole = round(timed["minutes"])
+        hours = f" ({whole // 60} h {whole % 60:02d} min)" if whole >= 60 else ""
+        click.echo(
+            f"time       {timed['minutes']:.1f} min{hours} of cutting at "
+            f"{timed['feed_mm_per_min']:.3f} mm/min",
+            err=True,
+        )
+
+
+def say_difference(d: Difference, a: str, b: str) -> None:
+    """Print how two programs differ, on standard output: it is what was asked for."""
+    if d.equal:
+        apart = f"at most {d.largest_um:.2f} um apart" if d.largest_um else "the same places"
+        click.echo(f"equal: {apart}")
+        return
+    x, y = d.at[0] / 1000 + 0.0, d.at[1] / 1000 + 0.0
+    away = f"{d.distance_um:.2f} um apart" if d.distance_um < float("inf") else d.what
+    names = " and ".join(
+        f"block {n} of {name}" if n else f"the end of {name}"
+        for n, name in ((d.block_a, a), (d.block_b, b))
+    )
+    click.echo(
+        f"different: {away} at ({x:.3f}, {y:.3f}) mm from the start, in {names}; up to there at "
+        f"most {d.largest_um:.2f} um"
+    )
+
+
+def say_figures(proof: Proof) -> None:
+    """Print what a program does by itself, without a drawing."""
+    s = proof.summary
+    ends = (
+        "no cut ends where it began"
+        if s["closure_um"] is None
+        else f"cuts end within {s['closure_um']:.0f} um of where they began"
+    )
+    back = s["reversals"]
+    most, limit = (s["limits"]["count_um"][k] / 1000 for k in ("largest", "limit"))
+    for line in (
+        f"program    {s['blocks']} blocks, {s['moves']} moves, {s['steps']} steps, path "
+        f"{s['path_mm']:.3f} mm",
+        f"contours   {s['contours']}; {ends}",
+        f"axes       reverse {back['x']} times on x, {back['y']} on y",
+        f"limits     the largest J is {most:.3f} of {limit:.3f} mm",
+        "give --against DRAWING to prove the part",
+    ):
+        click.echo(line, err=True)
 
 
 def say_report(made: Compilation, output: str) -> None:

@@ -21,9 +21,7 @@ Floats = NDArray[np.float64]
 
 #: One row per block of the rotation format. start, sweep: degrees of 8 digits (the float64 nearest
 #: to them); size: R of an arc or length of a line, um. Controls have no angle and no size.
-POLAR = np.dtype(
-    [("kind", "u1"), ("turn", "i1"), ("start", "f8"), ("size", "i8"), ("sweep", "f8")]
-)
+POLAR = np.dtype([("kind", "u1"), ("turn", "i1"), ("start", "f8"), ("size", "i8"), ("sweep", "f8")])
 
 #: One row per block of the compensation format. grows: +1 where the radius grows when the path is
 #: offset outwards (type 0x01), -1 where it shrinks (0x02), 0 for what is no arc. um.

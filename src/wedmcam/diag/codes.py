@@ -417,10 +417,11 @@ CODES: dict[str, Code] = {
         "Offset by scaling its arcs alone, the figure would not hold together there.",
         "Round the corner (--corner), or compute the offset in the compiler: --to compact.",
     ),
-    "gap-too-large": Code(
-        "The gap is not smaller than the radius of an arc that shrinks by it, or over 7.999 mm.",
-        "The arc would vanish or turn over.",
-        "A smaller gap, or the offset computed in the compiler: --to compact.",
+    "gap-value": Code(
+        "The gap is no whole um up to 7.999 mm, or not smaller than the radius of an arc that "
+        "shrinks by it.",
+        "The controller does not take it; an arc would vanish or turn over.",
+        "Another gap, or the offset computed in the compiler: --to compact.",
     ),
     "not-reachable": Code(
         "No numbers of the format make the controller compute this block.",
@@ -625,6 +626,11 @@ CODES: dict[str, Code] = {
         "No place in the drawing was found at which the program cuts its contours.",
         "The program is of another part, offset, size or rotation.",
         "Check the drawing, the offset and the units, or state --origin.",
+    ),
+    "not-an-image": Code(
+        "The part rotated, mirrored, run the other way or threaded elsewhere has another program.",
+        "A fault of one quadrant or sense, in the compiler or in the profile.",
+        "Do not use the program; compare both images with wedmcam plot.",
     ),
     # --- files and the command line --------------------------------------------------------
     "certificate-differs": Code(

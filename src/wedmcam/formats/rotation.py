@@ -48,9 +48,7 @@ def angle_fields(
     return exponent + over, np.where(over, significand // 10, significand)
 
 
-def angle_value(
-    exponent: NDArray[np.int64], significand: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def angle_value(exponent: NDArray[np.int64], significand: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return degrees: the float64 nearest to the decimal number; exponents above 20 are 20.
 
     >>> angle_value(np.array([2]), np.array([30000000])).tolist()

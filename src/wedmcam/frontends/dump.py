@@ -43,6 +43,22 @@ class Row:
     steps: int
 
 
+def stated(data: bytes, format_: str) -> dict[int, str]:
+    """Return what blocks of the ZD-065's other formats state, by address; empty for the rest.
+
+    `dump` shows the cutting blocks that the controller makes of them (without copies, gap 0).
+    """
+    if format_ == "rotation":
+        from wedmcam.frontends import rotation
+
+        return rotation.stated(data)
+    if format_ == "compensation":
+        from wedmcam.frontends import gap
+
+        return gap.stated(data)
+    return {}
+
+
 def dump(program: Program, machine: Machine) -> Iterator[Row]:
     """Yield a row for each block; ends are what the machine's interpolator makes of them."""
     from wedmcam.controller import run

@@ -6,12 +6,12 @@ as it is. Text comes first, because letters and digits of ASCII are valid packed
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.formats import compact
+from wedmcam.formats import compact, gap, rotation
 from wedmcam.frontends.compact import addresses
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
@@ -59,12 +59,77 @@ def identify(data: bytes) -> Identification:
     return _binary(data)
 
 
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """One of the three formats: its name, its lengths, and which bytes are no plain digits.
+
+    Attributes:
+        format: a key of ``frontends.DECODERS``.
+        title: for people.
+        length: bytes of the block that each instruction opens.
+        arc_most: (offset, largest value) of bytes of an arc.
+        line_most: the same of a line.
+        arc_least: (offset, smallest value) of bytes of an arc.
+    """
+
+    format: str
+    title: str
+    length: bytes
+    arc_most: tuple[tuple[int, int], ...] = ()
+    line_most: tuple[tuple[int, int], ...] = ()
+    arc_least: tuple[tuple[int, int], ...] = ()
+
+
+#: Exponents of angles in degrees are 0 to 3; a compensation type is 1 or 2.
+_LAYOUTS = (
+    _Layout("compact", "compact cutting format", compact.LENGTH),
+    _Layout("rotation", "rotation format", rotation.LENGTH, ((1, 3), (10, 3)), ((1, 3),)),
+    _Layout("compensation", "gap-compensation format", gap.LENGTH, ((1, 2),), (), ((1, 1),)),
+)
+
+
 def _binary(data: bytes) -> Identification:
-    starts, end = addresses(data)
-    bad = _first_bad_digit(data, starts)
+    """Return the format that fits best: to its end and with the least doubts, else the longest.
+
+    Data that fit the cutting format are called that: lines alone are the same bytes in the
+    compensation format, and the reason says so.
+    """
+    seen = [_fits(data, layout) for layout in _LAYOUTS]
+    whole = [s for s in seen if s.format != "unknown" and s.bad_address is None]
+    if whole:
+        ended = [s for s in whole if "stop without" not in s.reason] or whole
+        return _likeliest(data, ended) if len(ended) > 1 else ended[0]
+    known = [s for s in seen if s.format != "unknown"]
+    return max(known, key=lambda s: s.last_address or 0) if known else seen[0]
+
+
+def _likeliest(data: bytes, seen: list[Identification]) -> Identification:
+    """Return the one with the least doubts, then the one that explains most bytes."""
+    rank = [(_doubts(data, s.format), -(s.last_address or 0)) for s in seen]
+    best = min(range(len(seen)), key=lambda k: rank[k])
+    same = [s for k, s in enumerate(seen) if k != best and rank[k][0] == rank[best][0]]
+    if not same or "same bytes" in seen[best].reason:
+        return seen[best]
+    reason = f"{seen[best].reason}; they would also do as {same[0].reason}"
+    return replace(seen[best], certain=False, reason=reason)
+
+
+def _doubts(data: bytes, format_: str) -> int:
+    """Return how much the reader of a format finds wrong: zero lengths, angles, quadrants."""
+    from wedmcam import machines
+    from wedmcam.diag import Severity
+    from wedmcam.frontends import decoder
+
+    _, found = decoder(format_)(data, machines.default(format_), "")
+    return sum(d.count for d in found if d.severity > Severity.NOTE)
+
+
+def _fits(data: bytes, layout: _Layout) -> Identification:
+    starts, end = addresses(data, layout.length)
+    bad = _first_bad_digit(data, starts, layout)
     if bad is not None:
-        starts = starts[starts + _lengths(data, starts) <= bad]
-        end = int(starts[-1] + _lengths(data, starts)[-1]) if len(starts) else 0
+        starts = starts[starts + _lengths(data, starts, layout) <= bad]
+        end = int(starts[-1] + _lengths(data, starts, layout)[-1]) if len(starts) else 0
     count = len(starts)
     ended = bad is None and end < len(data) and data[end] == compact.END
     if bad is None and not ended:
@@ -72,9 +137,11 @@ def _binary(data: bytes) -> Identification:
     words = "block" if count == 1 else "blocks"
     # A number is what random bytes do not make: one digit pair in 2.6 is BCD, and one instruction
     # in 18 is one. A text has no byte 0, a compact program nearly always.
-    numbers = int((_lengths(data, starts) > 1).sum())
+    numbers = int((_lengths(data, starts, layout) > 1).sum())
     text = all(0x20 <= b < 0x7F or b in b"\t\r\n" for b in data[:4096])
-    if not numbers or text or (numbers < 2 and not ended):
+    # One block that would do in another format is no proof either, when other data follow it.
+    trail = layout.format != "compact" and ended and bool(data[end + 1 :].strip(b"\0"))
+    if not numbers or text or (numbers < 2 and (not ended or trail)):
         where = 0 if bad is None else bad
         kind = "text without a 3B record" if text else "random data or a format not known here"
         reason = f"{kind}; as compact data byte {where:#06x} would be the first that does not fit"
@@ -85,34 +152,47 @@ def _binary(data: bytes) -> Identification:
             bad = end + 1 + next(i for i, b in enumerate(rest) if b)
         codes = np.frombuffer(data, dtype=np.uint8)[starts]
         arcs = (codes & 0xF0 == compact.CW) | (codes & 0xF0 == compact.CCW)
-        reason = f"compact cutting format: {count} {words}" + (
-            "" if arcs.any() else ", lines alone: the compensation format has the same bytes"
+        certain = bool(arcs.any()) or layout.format == "rotation"
+        reason = f"{layout.title}: {count} {words}" + (
+            "" if certain else ", lines alone: the compensation format has the same bytes"
         )
         if bad is not None:
             reason += f"; then other data from {bad:#06x} on"
-        return Identification("compact", count, end, bad, bool(arcs.any()), reason)
-    reason = f"compact cutting format: {count} {words}, " + (
+        return Identification(layout.format, count, end, bad, certain, reason)
+    reason = f"{layout.title}: {count} {words}, " + (
         "then the data stop without an end byte"
         if bad is None or bad >= len(data)
         else f"damaged at {bad:#06x}"
     )
     fits = None if bad is not None and bad >= len(data) else bad
-    return Identification("compact", count, end - 1, fits, False, reason)
+    return Identification(layout.format, count, end - 1, fits, False, reason)
 
 
-def _lengths(data: bytes, starts: NDArray[np.int64]) -> NDArray[np.int64]:
+def _lengths(data: bytes, starts: NDArray[np.int64], layout: _Layout) -> NDArray[np.int64]:
     codes = np.frombuffer(data, dtype=np.uint8)[starts]
-    table = np.frombuffer(compact.LENGTH, dtype=np.uint8).astype(np.int64)
+    table = np.frombuffer(layout.length, dtype=np.uint8).astype(np.int64)
     lengths: NDArray[np.int64] = table[codes]
     return lengths
 
 
-def _first_bad_digit(data: bytes, starts: NDArray[np.int64]) -> int | None:
-    """Return the address of the first byte of a number that is no packed BCD, or None."""
+def _first_bad_digit(data: bytes, starts: NDArray[np.int64], layout: _Layout) -> int | None:
+    """Return the address of the first byte of a number that is no packed BCD, or out of range."""
     raw = np.frombuffer(data, dtype=np.uint8)
     number = np.zeros(len(raw), dtype=np.int8)
-    lengths = _lengths(data, starts)
+    lengths = _lengths(data, starts, layout)
     number[: int(starts[-1] + lengths[-1]) if len(starts) else 0] = 1
     number[starts] = 0  # instructions
-    wrong = np.flatnonzero((number == 1) & ((raw >> 4 > 9) | (raw & 15 > 9)))
+    bad = (number == 1) & ((raw >> 4 > 9) | (raw & 15 > 9))
+    group = raw[starts] & 0xF0
+    arcs = starts[(group == compact.CW) | (group == compact.CCW)]
+    straight = starts[(lengths > 1) & ~np.isin(starts, arcs)]
+    for rows, limits in ((arcs, layout.arc_most), (straight, layout.line_most)):
+        for offset, most in limits:
+            bad[rows + offset] |= raw[rows + offset] > most
+    if layout.format == "rotation":  # angles are normalised: no zero first but for exponent 0
+        angles = np.concatenate([arcs + 1, arcs + 10, straight + 1])
+        bad[angles + 1] |= (raw[angles] > 0) & (raw[angles + 1] < 0x10)
+    for offset, least in layout.arc_least:
+        bad[arcs + offset] |= raw[arcs + offset] < least
+    wrong = np.flatnonzero(bad)
     return int(wrong[0]) if len(wrong) else None

@@ -56,6 +56,25 @@ def decode(
     return program, found
 
 
+def stated(data: bytes) -> dict[int, str]:
+    """Return what each polar block states, for people, by its address.
+
+    >>> stated(bytes.fromhex("01 02 30000000 020000 00"))
+    {0: 'heading 30 deg, length 20.000 mm'}
+    """
+    s, figure = _fields(data, "")
+    said = {}
+    for at, arc, straight, row in zip(
+        s.starts.tolist(), s.arc.tolist(), s.straight.tolist(), figure, strict=True
+    ):
+        start, size = f"{float(row['start']):.8g} deg", mm(int(row["size"]))
+        if arc:
+            said[at] = f"start {start}, R {size}, sweep {float(row['sweep']):.8g} deg"
+        elif straight:
+            said[at] = f"heading {start}, length {size}"
+    return said
+
+
 def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
     s = Stream(data, rotation.LENGTH, file)
     both = s.arc | s.straight

@@ -21,8 +21,8 @@ from wedmcam.geom.curves import Floats, Ints, Points, Sections
 SAMPLES = 25
 #: The search aims at this share of the tolerance; a piece that reaches `ENOUGH` of it is taken.
 AIM, ENOUGH, MOST = 0.95, 0.90, 0.98
-#: Tries for one piece at most, and pieces of one section.
-TRIES, PIECES = 24, 100_000
+#: Tries for one piece at most, and for all pieces of one section: over 1500 of them.
+TRIES, ROUNDS = 24, 6_000
 #: An arc that rises less than this over its chord is a line, um.
 FLAT_UM = 0.005
 #: A piece shorter than this, um, is taken as it is: there is a cusp.
@@ -165,7 +165,7 @@ def fit(sections: Sections, tolerance: Floats, chosen: Ints | None = None) -> Ar
     starts: list[Floats] = []
     stops: list[Floats] = []
     owners: list[Ints] = []
-    for _ in range(PIECES):
+    for _ in range(ROUNDS):
         if not len(active):
             break
         a, b, tol = lo[active], guess[active], tolerance[active]
@@ -206,6 +206,10 @@ def fit(sections: Sections, tolerance: Floats, chosen: Ints | None = None) -> Ar
             tries[ended] = 0
             best[ended] = 0.0
             active = active[lo[active] < end[active]]
+    if len(active):  # too long for a part: its last piece is what is left, and will be measured
+        starts.append(lo[active].copy())
+        stops.append(end[active].copy())
+        owners.append(active)
     return _arcs(sections, starts, stops, owners)
 
 

@@ -16,6 +16,8 @@ from wedmcam.geom.curves import Floats, Ints, Sections
 PLACES, BACK = 65, 17
 #: Sections whose fit turns out too coarse are fitted anew, this often at most.
 AGAIN = 5
+#: From this many tolerances on a fit has failed, and is not tried again.
+HOPELESS = 100.0
 #: Pieces measured at a time: it bounds the memory.
 CHUNK = 1000
 
@@ -51,7 +53,7 @@ def certified(sections: Sections, tolerance: Floats) -> tuple[Arcs, Floats]:
     for _ in range(AGAIN):
         worst = np.zeros(len(aim))
         np.maximum.at(worst, arcs.of, off)
-        over = np.flatnonzero(worst > tolerance)
+        over = np.flatnonzero((worst > tolerance) & (worst < HOPELESS * tolerance))
         if not len(over):
             break
         aim[over] *= np.clip(0.98 * tolerance[over] / worst[over], 0.25, 0.98)

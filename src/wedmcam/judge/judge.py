@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.deviation import SLOP, measure
 from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
 from wedmcam.judge.route import Route, plan_route
@@ -33,22 +34,6 @@ STOP_ROOM = 5.0
 #: A recomputed end may miss by the rounding of its own formula: what closes a contour of a
 #: controller that recomputes arc ends, um (ours: no source has it).
 TEXTBOOK_CLOSURE = 2.0
-
-
-class Limits(Protocol):
-    """What the judge asks of a machine's limits, um, inclusive."""
-
-    @property
-    def count_um(self) -> int:
-        """Largest count length J."""
-
-    @property
-    def line_um(self) -> int:
-        """Largest |x| and |y| of a line or move."""
-
-    @property
-    def arc_um(self) -> int:
-        """Largest |x| and |y| of an arc's start from its centre."""
 
 
 def judge(
@@ -83,18 +68,8 @@ def judge(
     Returns:
         The verdict, and findings; ``ok`` is that none of them is an error.
     """
-    findings = _check_blocks(program, limits)
     way = walk(program, table, textbook=count == "textbook")
-    bad = np.flatnonzero(way.steps < 0)
-    for row in bad[:5].tolist():
-        findings.append(
-            error(
-                "endless-block",
-                f"block {row + 1} never ends: x {int(program.blocks['x'][row])} y "
-                f"{int(program.blocks['y'][row])} um, J {int(program.blocks['count'][row])} um",
-                span_of(program, row),
-            )
-        )
+    findings = check_blocks(program, limits, way.steps)
     case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order)
     verdict, found = case.judge(way, count)
     findings.extend(found)
@@ -117,47 +92,6 @@ def judge(
                 )
             )
     return verdict._replace(ok=not has_errors(findings)), findings
-
-
-def _check_blocks(program: Program, limits: Limits | None) -> list[Diagnostic]:
-    """Report blocks over a limit or without a step; the first five of a sort, then their number."""
-    b = program.blocks
-    motion = b["kind"] <= Kind.MOVE
-    findings: list[Diagnostic] = []
-
-    def report(code: str, mask: Bools, what: str, value: Ints, most: int | None) -> None:
-        rows = np.flatnonzero(mask)
-        for row in rows[:5].tolist():
-            bound = "" if most is None else f", the limit is {most / 1000.0:.3f} mm"
-            more = f" (and {len(rows) - 5} more)" if row == rows[min(4, len(rows) - 1)] else ""
-            findings.append(
-                error(
-                    code,
-                    f"block {row + 1}: {what} is {int(value[row]) / 1000.0:.3f} mm{bound}"
-                    + (more if len(rows) > 5 else ""),
-                    span_of(program, row),
-                )
-            )
-
-    empty = motion & ((b["count"] <= 0) | ((b["x"] == 0) & (b["y"] == 0)))
-    report("empty-block", empty, "count length J", b["count"], None)
-    if limits is not None:
-        size = np.maximum(np.abs(b["x"]), np.abs(b["y"]))
-        arc = b["kind"] == Kind.ARC
-        report(
-            "block-limit",
-            motion & (b["count"] > limits.count_um),
-            "count length J",
-            b["count"],
-            limits.count_um,
-        )
-        report(
-            "block-limit", motion & ~arc & (size > limits.line_um), "x or y", size, limits.line_um
-        )
-        report(
-            "block-limit", arc & (size > limits.arc_um), "start from centre", size, limits.arc_um
-        )
-    return findings
 
 
 class _Case(NamedTuple):

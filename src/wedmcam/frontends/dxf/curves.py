@@ -27,6 +27,10 @@ Linear = tuple[float, float, float, float]
 ROUND_UM = 1e-3
 #: An ellipse with a half axis below this, um, is a line there and back.
 FLAT_UM = 1.0
+#: Coordinates beyond this, um (1000 km), are no part.
+FARTHEST_UM = 1e12
+#: Weights of a spline that are smaller than this share of its largest make it jump.
+LIGHT = 1e-9
 #: A fit may miss its tolerance by this share, for rounding; beyond it, it is said.
 SLACK = 1e-6
 #: Ends of pieces of a curve that differ by less are the same place, um.
@@ -60,6 +64,10 @@ class Spline:
 
 
 Curve = Spline | Ellipse
+
+
+#: Stands for a curve that is left out.
+NOWHERE = Ellipse(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def image(curve: Curve, m: Linear) -> Curve:
@@ -129,6 +137,8 @@ def of_spline(entity: Any, scale: float) -> tuple[Spline | None, list[str]]:
         weights = np.array(entity.weights, float)
         degree = int(entity.dxf.degree)
     elif len(fitted) > 1:
+        if not np.isfinite(fitted).all():
+            raise CurveError("bad-number", "")
         points, knots, degree = _through(entity, fitted, closed)
         weights = np.zeros(0)
         odd.append("fit-points")
@@ -232,6 +242,7 @@ class Fitted:
         exact: curves that are circles, arcs or lines but for nothing.
         flat: ellipses without width.
         nothing: curves without length.
+        absurd: curves with numbers beyond all parts, or none.
         missed: curves whose fit is worse than the tolerance.
     """
 
@@ -241,6 +252,7 @@ class Fitted:
     exact: set[int] = field(default_factory=set)
     flat: list[int] = field(default_factory=list)
     nothing: list[int] = field(default_factory=list)
+    absurd: list[int] = field(default_factory=list)
     missed: list[int] = field(default_factory=list)
 
 
@@ -253,6 +265,10 @@ def segments(curves: Sequence[Curve], tolerances: Sequence[float], frames: Seque
         frames: to which frame each belongs: curves of different ones have nothing in common.
     """
     tolerance = np.array(tolerances, float)
+    absurd = [k for k, c in enumerate(curves) if not _sound(c)]
+    if absurd:
+        gone = set(absurd)
+        curves = [NOWHERE if k in gone else c for k, c in enumerate(curves)]
     out = Fitted(np.zeros(0, SEGMENT), np.zeros(len(curves)))
     parts: list[Rows] = []
     splines = [k for k, c in enumerate(curves) if isinstance(c, Spline)]
@@ -273,10 +289,28 @@ def segments(curves: Sequence[Curve], tolerances: Sequence[float], frames: Seque
     for which, made, _ in sets:
         parts.append(_of_splines(curves, which, made, tolerance, done, out))
     parts.append(_of_ellipses(curves, tolerance, out))
+    if absurd:
+        out.absurd = absurd
+        out.nothing = [k for k in out.nothing if k not in gone]
     rows = np.concatenate(parts)
     out.rows = rows[np.argsort(rows["source"], kind="stable")]
     out.missed = np.flatnonzero(out.error > tolerance * (1.0 + SLACK)).tolist()
     return out
+
+
+def _sound(curve: Curve) -> bool:
+    """Return whether a curve's numbers can be computed with."""
+    if isinstance(curve, Ellipse):
+        e = curve
+        numbers = np.array([e.cx, e.cy, e.ux, e.uy, e.vx, e.vy, e.start, e.sweep])
+        return bool((np.abs(numbers) <= FARTHEST_UM).all())
+    w = curve.pieces[:, :, 2]
+    if not (np.isfinite(w).all() and w.min() > LIGHT * w.max()):
+        return False
+    with np.errstate(all="ignore"):
+        xy = curve.pieces[:, :, :2] / w[:, :, None]
+    far = max(abs(curve.x), abs(curve.y), float(np.abs(xy).max()))
+    return bool(np.isfinite(xy).all()) and far <= FARTHEST_UM
 
 
 def _row(

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import EntityRef
-from wedmcam.frontends.dxf.curves import Curve, Linear, ellipses_of, image, segments
-from wedmcam.frontends.dxf.shapes import FARTHEST_UM, Heap, Insert, gather
+from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, Linear, ellipses_of, image, segments
+from wedmcam.frontends.dxf.shapes import Heap, Insert, gather
 from wedmcam.ir.sketch import SEGMENT, ThreadPoint
 
 Rows = NDArray[np.void]
@@ -225,7 +225,8 @@ class Placer:
             copy = stack.pop()
             self._put(copy)
             stack += reversed(list(self._inserted(copy)))
-        made = _fitted(self._wanted, self._tolerance)
+        with np.errstate(all="ignore"):  # what overflows is refused as a bad number
+            made = _fitted(self._wanted, self._tolerance)
         for copy, fates, key, matrix in self._copied:
             if self.placed.too_large is None:
                 self._take(copy, fates, made[key], matrix)
@@ -485,6 +486,7 @@ def _fitted(
     if got is not None:
         variants = list(out.values())
         for code, which in (
+            ("bad-number", got.absurd),
             ("flat-ellipse", got.flat),
             ("coarse-spline", got.missed),
             ("zero-length", got.nothing),

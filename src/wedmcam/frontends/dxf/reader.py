@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
 from wedmcam.frontends.dxf import units
+from wedmcam.frontends.dxf.curves import FARTHEST_UM
 from wedmcam.frontends.dxf.load import GEOMETRY, Loaded, load
 from wedmcam.frontends.dxf.place import Census, Layers, Placement, Placer
-from wedmcam.frontends.dxf.shapes import FARTHEST_UM, gather
+from wedmcam.frontends.dxf.shapes import gather
 from wedmcam.ir.sketch import Sketch, SketchInfo
 
 Rows = NDArray[np.void]

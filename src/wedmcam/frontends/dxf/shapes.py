@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.frontends.dxf.curves import Curve, CurveError, of_ellipse, of_spline
+from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, CurveError, of_ellipse, of_spline
 from wedmcam.ir.sketch import SEGMENT
 
 Floats = NDArray[np.float64]
@@ -39,8 +39,6 @@ FULL_DEG = 1e-9
 FLAT_BULGE, FLAT_UM = 1e-8, 1e-4
 #: From this bulge on (all but 0.002 degrees of a circle) rounding decides where the centre is.
 ABSURD_BULGE = 1e5
-#: Coordinates beyond this, um (1000 km), are no part.
-FARTHEST_UM = 1e12
 
 #: Contours that cannot be read: leaving them out would be wrong.
 UNSUPPORTED = frozenset({"HELIX"})
@@ -147,10 +145,18 @@ def gather(entities: Any, scale: float) -> Heap:
         if dxf.hasattr("invisible") and dxf.invisible:
             heap.invisible.add(at)
         try:
-            to(heap, at, entity, dxf)
+            with np.errstate(all="ignore"):  # what overflows is refused as a bad number
+                to(heap, at, entity, dxf)
         except CurveError as why:
             heap.problem(why.code, at, str(why))
-        except (DXFError, AttributeError, KeyError, ValueError, TypeError, IndexError) as why:
+        except (
+            DXFError,
+            ArithmeticError,
+            LookupError,
+            AttributeError,
+            ValueError,
+            TypeError,
+        ) as why:
             # ezdxf raises these for attributes that an entity must have and has not.
             heap.problem("damaged-drawing", at, str(why) or type(why).__name__)
     heap.segments = _segments(heap)
@@ -266,9 +272,6 @@ def _ellipse(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     curve, equal = of_ellipse(dxf, heap.scale, flip)
     if equal:
         heap.problem("full-arc", at)
-    if not max(abs(v) for v in (curve.cx, curve.cy, curve.ux, curve.uy)) <= FARTHEST_UM:
-        heap.problem("bad-number", at)
-        return
     heap.curves.append((at, curve))
 
 
@@ -278,8 +281,6 @@ def _spline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
         heap.problem(code, at)
     if curve is None:
         heap.dropped.append(at)
-    elif not max(np.abs(curve.pieces).max(), abs(curve.x), abs(curve.y)) <= FARTHEST_UM:
-        heap.problem("bad-number", at)
     else:
         heap.curves.append((at, curve))
 

@@ -1,0 +1,285 @@
+"""Write the gap-compensation format of the ZD-065.
+
+The controller scales x, y and J of each arc by (R + gap) / R or (R - gap) / R and rounds. So for
+each arc of the offset path numbers of the outline are sought that come out as the arc that was
+proven. An arc that grows leaves some whole numbers out: there the nearest is taken, and the next
+line of the contour takes the difference up, so that the contour still closes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.backends.compact import encode as encode_compact
+from wedmcam.backends.fit import Checks, mm
+from wedmcam.controller import run
+from wedmcam.controller.processing import GAPPED, compensated
+from wedmcam.diag import Diagnostic, Severity, has_errors, warning
+from wedmcam.formats import compact, gap, lines, quadrants
+from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.machines import Machine
+
+Ints = NDArray[np.int64]
+#: R may be stated off by this share, so that the rounding falls better; its error is the gap times
+#: as much.
+SHARE = 0.01
+MOST_OFF = 100
+
+
+def encode(
+    program: Program,
+    machine: Machine,
+    positions: NDArray[np.int64] | None = None,
+    *,
+    gap_um: int = 0,
+    outwards: bool = True,
+    grown: NDArray[np.integer[Any]] | None = None,
+) -> tuple[bytes, list[Diagnostic]]:
+    """Return the compensation data of which the controller makes this program.
+
+    Args:
+        program: the offset path, blocks as for the cutting format.
+        machine: a compensation profile.
+        positions: not needed; writers are called alike.
+        gap_um: that the operator will enter, whole um.
+        outwards: that the operator will choose: True for a punch, False for a die.
+        grown: for each block +1 where the offset made the arc's radius larger, -1 smaller; None for
+            a gap of 0.
+
+    Returns:
+        The bytes, empty when there is an error.
+    """
+    _, found = encode_compact(program, machine)
+    found = [d for d in found if d.code != "over-memory"]
+    if has_errors(found):
+        return b"", found
+    checks = Checks(program)
+    blocks = program.blocks
+    arc = blocks["kind"] == Kind.ARC
+    if grown is None:
+        assert not gap_um
+        grown = np.where(blocks["turn"] < 0, -1, 1)
+    sign: Ints = grown.astype(np.int64)  # products with the gap need the room
+    radius = np.floor(np.hypot(blocks["x"], blocks["y"]) + 0.5).astype(np.int64)
+    checks.tell(
+        Severity.ERROR,
+        "gap-value",
+        np.full(len(blocks), not 0 <= gap_um <= gap.MOST_GAP_UM),
+        lambda i: f"a gap of {mm(gap_um)}; the controller takes up to {mm(gap.MOST_GAP_UM)}",
+    )
+    checks.tell(
+        Severity.ERROR,
+        "not-tangent",
+        arc & (sign > 0) & (radius - gap_um < 1),
+        lambda i: "the wire goes round a sharp corner of the outline",
+        "round the corners (--corner), or --to compact",
+    )
+    if checks.failed:
+        return b"", found + checks.found
+    figure = outline(blocks, gap_um, outwards, sign)
+    figure, lost = _closed(figure, program, gap_um, outwards, LineTable(machine.line_table))
+    checks.tell(
+        Severity.ERROR,
+        "not-reachable",
+        lost,
+        lambda i: (
+            f"the contour cannot end where it started with a gap of {mm(gap_um)}: no line follows "
+            "its arcs to take up what scaling rounds off"
+        ),
+        "another gap by some um, or --to compact",
+    )
+    found += checks.found
+    if checks.failed:
+        return b"", found
+    data, sizes = _bytes(figure)
+    memory = machine.limits.memory_bytes
+    if memory and len(data) > memory:
+        parts = compact.loads(sizes, memory)
+        text = f"{len(data)} bytes; the memory of {machine.name} holds {memory}: {parts} loads"
+        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
+    return data, found
+
+
+def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) -> NDArray[np.void]:
+    """Return blocks of an outline (dtype `GAPPED`) that the gap makes into ``blocks``, or nearly.
+
+    Args:
+        blocks: dtype `BLOCK`.
+        gap_um: whole um.
+        outwards: see `encode`.
+        grown: see `encode`.
+    """
+    n = len(blocks)
+    arc = blocks["kind"] == Kind.ARC
+    straight = (blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.MOVE)
+    x, y, count = (blocks[k].astype(np.int64) for k in ("x", "y", "count"))
+    lx, ly, _ = lines.full(x, y, blocks["axis"], count)
+    figure = np.zeros(n, dtype=GAPPED)
+    figure["kind"], figure["turn"] = blocks["kind"], np.where(arc, blocks["turn"], 0)
+    figure["grows"] = np.where(arc, grown * (1 if outwards else -1), 0)
+    figure["x"], figure["y"] = np.where(straight, lx, x), np.where(straight, ly, y)
+    figure["count"] = np.where(arc, count, 0)
+    rows = np.flatnonzero(arc)
+    if not len(rows):
+        return figure
+    exact = np.hypot(x[rows], y[rows]) - grown[rows] * gap_um
+    radius = np.maximum(np.floor(exact + 0.5), 1).astype(np.int64)
+    figure["radius"][rows] = radius
+    if not gap_um:
+        return figure
+    todo = np.arange(len(rows))
+    for off in sorted(range(-MOST_OFF, MOST_OFF + 1), key=abs):
+        todo = todo[abs(off) <= np.maximum(SHARE * radius[todo], 0)]
+        if not len(todo):
+            break
+        tried = _scaled_back(figure[rows[todo]], blocks[rows[todo]], radius[todo] + off, gap_um,
+                             grown[rows[todo]])  # fmt: skip
+        good = _same(compensated(tried, gap_um, outwards), blocks[rows[todo]])
+        figure[rows[todo[good]]] = tried[good]
+        todo = todo[~good]
+    left = np.setdiff1d(rows, rows[_reached(figure[rows], blocks[rows], gap_um, outwards)])
+    for row in left.tolist():
+        one = slice(row, row + 1)
+        own = radius[rows == row]
+        figure[one] = _nearest(figure[one], blocks[one], gap_um, outwards, grown[one], own)
+    return figure
+
+
+def _reached(
+    figure: NDArray[np.void], blocks: NDArray[np.void], gap_um: int, outwards: bool
+) -> NDArray[np.bool_]:
+    return _same(compensated(figure, gap_um, outwards), blocks)
+
+
+def _same(a: NDArray[np.void], b: NDArray[np.void]) -> NDArray[np.bool_]:
+    return np.asarray((a["x"] == b["x"]) & (a["y"] == b["y"]) & (a["count"] == b["count"]))
+
+
+def _scaled_back(
+    figure: NDArray[np.void],
+    blocks: NDArray[np.void],
+    radius: Ints,
+    gap_um: int,
+    grown: Ints,
+) -> NDArray[np.void]:
+    """Return arcs of the outline, with R as given, whose scaling comes nearest to ``blocks``."""
+    out = figure.copy()
+    radius = np.maximum(radius, np.where(grown < 0, gap_um + 1, 1))
+    out["radius"] = radius
+    share = radius / (radius + grown.astype(np.float64) * gap_um)
+    for name in ("x", "y", "count"):
+        value = blocks[name] * share
+        out[name] = (np.sign(value) * np.floor(np.abs(value) + 0.5)).astype(np.int64)
+    return out
+
+
+def _nearest(
+    figure: NDArray[np.void],
+    block: NDArray[np.void],
+    gap_um: int,
+    outwards: bool,
+    grown: Ints,
+    radius: Ints,
+) -> NDArray[np.void]:
+    """Return the arc of the outline whose scaling starts and ends nearest to one block."""
+    off = max(int(SHARE * radius[0]), 1)
+    radii = np.unique(np.linspace(radius[0] - off, radius[0] + off, 9).astype(np.int64))
+    base = _scaled_back(
+        np.repeat(figure, len(radii)),
+        np.repeat(block, len(radii)),
+        radii,
+        gap_um,
+        np.repeat(grown, len(radii)),
+    )
+    steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in range(-3, 4)])
+    tried = np.repeat(base, len(steps))
+    for column, name in enumerate(("x", "y", "count")):
+        tried[name] += np.tile(steps[:, column], len(radii))
+    ok = (tried["count"] > 0) & (np.sign(tried["x"]) * np.sign(block["x"]) >= 0)
+    ok &= np.sign(tried["y"]) * np.sign(block["y"]) >= 0
+    tried = tried[ok]
+    made = compensated(tried, gap_um, outwards)
+    keep = made["x"].astype(np.int64) ** 2 + made["y"].astype(np.int64) ** 2 >= 2
+    tried, made = tried[keep], made[keep]
+    if not len(tried):
+        return base[:1]
+    moved, wanted = run(made, LineTable.MIRROR), run(block, LineTable.MIRROR)
+    start = np.hypot(made["x"] - block["x"][0], made["y"] - block["y"][0])
+    end = np.hypot(moved.dx - wanted.dx[0], moved.dy - wanted.dy[0])
+    best = int(np.lexsort((start + end, np.maximum(start, end)))[0])
+    chosen: NDArray[np.void] = tried[best : best + 1]
+    return chosen
+
+
+def _closed(
+    figure: NDArray[np.void], program: Program, gap_um: int, outwards: bool, table: LineTable
+) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
+    """Let lines of the contour take up what the arcs before them are off.
+
+    Returns:
+        The figure, and the blocks at which a contour is left open because no line came.
+    """
+    blocks = program.blocks
+    lost = np.zeros(len(blocks), dtype=bool)
+    made = compensated(figure, gap_um, outwards)
+    have, want = run(made, table), run(blocks, table)
+    off_x, off_y = have.dx - want.dx, have.dy - want.dy
+    arc = blocks["kind"] == Kind.ARC
+    if not (arc & ((off_x != 0) | (off_y != 0))).any():
+        return figure, lost
+    ex = ey = 0
+    for k in range(len(blocks)):
+        kind, role = blocks["kind"][k], blocks["role"][k]
+        if kind == Kind.ARC:
+            ex, ey = ex + int(off_x[k]), ey + int(off_y[k])
+        elif (ex or ey) and kind == Kind.LINE and role == Role.CONTOUR:
+            x, y = int(figure["x"][k]) - ex, int(figure["y"][k]) - ey
+            if x or y:
+                figure["x"][k], figure["y"][k] = x, y
+                ex = ey = 0
+        elif (ex or ey) and kind != Kind.PAUSE:
+            lost[max(k - 1, 0)] = True
+            ex = ey = 0
+    if ex or ey:
+        lost[-1] = True
+    return figure, lost
+
+
+def _bytes(figure: NDArray[np.void]) -> tuple[bytes, Ints]:
+    """Return the data with the end byte, and the size of each block."""
+    kind, turn = figure["kind"], figure["turn"]
+    arc, move = kind == Kind.ARC, kind == Kind.MOVE
+    straight = move | (kind == Kind.LINE)
+    end = (kind == Kind.STOP) | (kind == Kind.END)
+    after_move = np.zeros(len(kind), dtype=bool)
+    after_move[1:] = move[:-1]
+    thread = (kind == Kind.THREAD) | ((kind == Kind.PAUSE) & after_move)
+    base = np.select(
+        [arc & (turn > 0), arc, move, straight, thread],
+        [compact.CCW, compact.CW, compact.MOVE, compact.LINE, compact.THREAD],
+        compact.PAUSE,
+    )
+    quadrant = quadrants.quadrant(figure["x"], figure["y"], turn)
+    code = (base + np.where(arc | straight, quadrant, 0)).astype(np.uint8)
+    sizes = np.frombuffer(gap.LENGTH, dtype=np.uint8)[code].astype(np.int64)
+    sizes[end] = 0
+    at = np.cumsum(sizes) - sizes
+    data = np.zeros(int(sizes.sum()) + 1, dtype=np.uint8)
+    data[at[~end]] = code[~end]
+
+    def column(which: NDArray[np.bool_], offset: int, size: int, of: Ints) -> None:
+        place = at[which][:, None] + offset + np.arange(size)
+        data[place] = compact.column_to_bcd(np.abs(of[which]).astype(np.int64), size)
+
+    types = np.where(figure["grows"] > 0, gap.GROWS, gap.SHRINKS).astype(np.uint8)
+    data[at[arc] + 1] = types[arc]
+    column(arc, 2, 4, figure["radius"])
+    column(arc, 6, 4, figure["x"])
+    column(arc, 10, 4, figure["y"])
+    column(arc, 14, 3, figure["count"])
+    column(straight, 1, 3, figure["x"])
+    column(straight, 4, 3, figure["y"])
+    return data.tobytes(), sizes

@@ -1,0 +1,175 @@
+"""One block told at length: its record, what it draws, why it is counted so, its first steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wedmcam.ir.program import Program
+    from wedmcam.machines import Machine
+
+#: Steps that are shown.
+SHOWN = 12
+
+#: The instruction of an arc by its sense.
+ARCS = {1: "NR", -1: "SR"}
+
+
+def _mm(um: float) -> str:
+    return f"{um / 1000 + 0.0:.3f}"
+
+
+def _at(x: float, y: float) -> str:
+    return f"({_mm(x)}, {_mm(y)})"
+
+
+def explain_block(program: Program, machine: Machine, data: bytes, number: int) -> Iterator[str]:
+    """Yield lines about block ``number`` (1-based) of a program read from ``data``."""
+    from wedmcam.api import positions
+    from wedmcam.ir.program import Axis, Kind, LineTable
+
+    row = number - 1
+    block = program.blocks[row]
+    kind = Kind(int(block["kind"]))
+    words = dict(program.words)
+    yield f"block {number} of {len(program.blocks)}, read for {machine.name} ({machine.title})"
+    yield f"record     {_record(program, row, data)}"
+    starts, ends = positions(program, machine)
+    start, end = ([int(v) for v in p[row]] for p in (starts, ends))
+    if kind > Kind.MOVE:
+        yield f"kind       {words.get(row, kind.name.lower())}; nothing moves, at {_at(*start)} mm"
+        return
+    x, y, turn = int(block["x"]), int(block["y"]), int(block["turn"])
+    axis, count = Axis(int(block["axis"])), int(block["count"])
+    table = LineTable(machine.line_table)
+    if kind == Kind.ARC:
+        yield from _arc(x, y, turn, axis, count, start, end)
+    else:
+        yield from _line(x, y, axis, count, kind == Kind.MOVE, table)
+    yield from _ending(block, table, start, end)
+
+
+def _record(program: Program, row: int, data: bytes) -> str:
+    """Return the record as it stands in the file, with its place."""
+    from wedmcam.diag import ByteSpan, TextSpan
+
+    span = program.spans[row] if row < len(program.spans) else None
+    if isinstance(span, TextSpan):
+        lines = data.decode("utf-8", "replace").splitlines()
+        line = lines[span.line - 1] if span.line <= len(lines) else ""
+        text = line[span.column - 1 : span.column - 1 + (span.length or len(line))]
+        return f"{text.strip()}  (line {span.line}, column {span.column})"
+    if isinstance(span, ByteSpan):
+        return f"{data[span.start : span.end].hex(' ')}  (bytes {span.start:#06x} on)"
+    return "?"
+
+
+def _line(x: int, y: int, axis: Any, count: int, move: bool, table: Any) -> Iterator[str]:
+    from wedmcam.controller import line_axis
+    from wedmcam.formats.quadrants import quadrant
+    from wedmcam.ir.program import Axis, LineTable
+
+    what = "move, generator off," if move else "line"
+    heading = math.degrees(math.atan2(y, x)) % 360
+    yield f"geometry   {what} along {_at(x, y)} mm, {_mm(math.hypot(x, y))} mm at {heading:.3f} deg"
+    q = _quadrant(quadrant, x, y, 0)
+    where = "on an axis: the quadrant it enters by rule" if 0 in (x, y) else "where the end lies"
+    yield f"quadrant   L{q}: {where}"
+    used = line_axis(x, y) if axis == Axis.SQUARE else axis
+    if abs(x) == abs(y):
+        exact = "y" if table == LineTable.MIRROR or x * y > 0 else "x"
+        why = f"45 degrees: with the {table} line table only {exact} ends it exactly"
+    else:
+        longer = "x" if abs(x) > abs(y) else "y"
+        why = f"{longer} is the longer way, so the end is exact"
+        if used.name.lower() != longer:
+            why = f"but {longer} is the longer way: the end is inexact"
+    yield f"counted on {used.name.lower()}: {why}"
+    along = abs(x) if used == Axis.X else abs(y)
+    whole = "the whole way" if along == count else f"X, Y are a ratio; their own count is {along}"
+    yield f"J          {_mm(count)} mm = {count} steps on {used.name.lower()}: {whole}"
+
+
+def _arc(
+    x: int, y: int, turn: int, axis: Any, count: int, start: list[int], end: list[int]
+) -> Iterator[str]:
+    from wedmcam.controller import arc_quadrant
+    from wedmcam.ir.program import Axis
+
+    cx, cy = start[0] - x, start[1] - y
+    ex, ey = end[0] - cx, end[1] - cy
+    sense = "counter-clockwise" if turn > 0 else "clockwise"
+    radius = math.hypot(x, y)
+    yield (
+        f"geometry   {sense} arc, radius {radius / 1000:.6f} mm about {_at(cx, cy)} mm, starts "
+        f"{_at(x, y)} from it"
+    )
+    if x * x + y * y < 2:
+        yield "           it never ends: the path would step onto its centre"
+        return
+    q = arc_quadrant(x, y, turn)
+    where = "on an axis: the quadrant it enters" if 0 in (x, y) else "where the start lies"
+    yield f"quadrant   {ARCS[turn]}{q}: {where}"
+    near = "x" if abs(ex) > abs(ey) else "y"
+    if axis == Axis.SQUARE:
+        why = "y where |x| > |y|, x where |x| < |y|: always across the radius, so ends are sharp"
+        yield f"counted on the inscribed square: {why}"
+    else:
+        across = "y" if near == "x" else "x"
+        name = axis.name.lower()
+        if abs(ex) == abs(ey):
+            why = "the end is at 45 degrees: either will do"
+        elif name == across:
+            why = f"the end is nearer the {near} axis, where steps on {name} run across the radius"
+        else:
+            why = (
+                f"but the end is nearer the {near} axis, where steps on {name} run along the "
+                "radius: the end is unsharp"
+            )
+        yield f"counted on {name}: {why}"
+    compared = _nominal(x, y, turn, axis, ex, ey, count)
+    yield f"J          {_mm(count)} mm = {count} steps counted{compared}"
+
+
+def _nominal(x: int, y: int, turn: int, axis: Any, ex: int, ey: int, count: int) -> str:
+    """Return how J compares with that of the text books."""
+    from wedmcam.controller.nominal import nominal_count
+    from wedmcam.ir.program import Axis
+
+    if axis == Axis.SQUARE:
+        return ""
+    by_book = int(nominal_count([x], [y], [turn], [ex], [ey], [int(axis)])[0])
+    if by_book == count:
+        return "; the sum of projections is the same"
+    return f"; the sum of projections (text books) would be {by_book}"
+
+
+def _quadrant(quadrant: Any, x: int, y: int, turn: int) -> int:
+    import numpy as np
+
+    return int(quadrant(np.array([x]), np.array([y]), np.array([turn]))[0])
+
+
+def _ending(block: Any, table: Any, start: list[int], end: list[int]) -> Iterator[str]:
+    """Tell the first steps and where the block ends."""
+    import numpy as np
+
+    from wedmcam.controller import block_steps, deviation, run
+    from wedmcam.ir.program import Axis
+
+    one = np.array([block])
+    total = int(run(one, table).steps[0])
+    if total < 0:
+        yield "steps      it never ends: no controller can run this block"
+        return
+    yield f"steps      {total}; the first {min(SHOWN, total)}, from the start, with F after each"
+    yield "             n  step         x         y              F"
+    for n, s in enumerate(islice(block_steps(one[0], table), SHOWN), 1):
+        step = f"{'+' if s.sign > 0 else '-'}{'x' if s.axis == Axis.X else 'y'}"
+        yield f"         {n:5d}  {step:4} {s.x:9d} {s.y:9d} {s.f:14d}"
+    low, high = (float(d[0]) for d in deviation(one, table))
+    yield f"path       within {max(high, -low):.3f} um of its own line or circle"
+    yield f"ends at    {_at(*end)} mm, started at {_at(*start)} mm (from the program's start)"

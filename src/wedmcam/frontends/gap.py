@@ -1,0 +1,206 @@
+"""Read the gap-compensation format of the ZD-065.
+
+`read` returns the outline as it stands there, `decode` the cutting program that the controller's
+data processing makes of it with a gap: that is what would be cut.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.controller import run
+from wedmcam.controller.processing import GAPPED, compensated
+from wedmcam.diag import Diagnostic, Severity
+from wedmcam.formats import gap, quadrants
+from wedmcam.frontends.stream import Stream, mm
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.machines import Machine
+
+#: Joints that a gap would tear apart by less than this are tangent enough, um.
+TORN_UM = 1.0
+
+
+def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
+    """Return the blocks of compensation data (dtype `GAPPED`), and what was found.
+
+    Blocks in error are left out. Never raises.
+    """
+    stream, figure = _fields(data, file)
+    _check(stream, figure, machine)
+    _, found = stream.finish(compensated(figure, 0), machine)
+    return figure[stream.good], found
+
+
+def decode(
+    data: bytes, machine: Machine, file: str, gap_um: float = 0, outwards: bool = True
+) -> tuple[Program, list[Diagnostic]]:
+    """Return the cutting program that the controller makes of compensation data.
+
+    Args:
+        data: any bytes; never raises.
+        machine: its limits.
+        file: name for the spans.
+        gap_um: whole um, 0 to 7999 [S].
+        outwards: True for a punch, False for a die.
+
+    Refused where R - gap is not above 0 and at joints that are not tangent; the first and the last
+    line between two controls may be leads and are not asked [R].
+    """
+    stream, figure = _fields(data, file)
+    _check(stream, figure, machine)
+    whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= gap.MOST_GAP_UM else 0
+    stream.tell(
+        Severity.ERROR,
+        "gap-value",
+        np.full(len(figure), whole != gap_um) & (np.arange(len(figure)) == 0),
+        lambda i: f"a gap of {gap_um:g} um; the controller takes whole um from 0 to 7999",
+    )
+    sign = figure["grows"].astype(np.int64) * (1 if outwards else -1)
+    after = figure["radius"] + sign * whole
+    stream.tell(
+        Severity.ERROR,
+        "gap-value",
+        stream.arc & (after <= 0),
+        lambda i: (
+            f"the radius {mm(int(figure['radius'][i]))} is not larger than the gap "
+            f"{mm(whole)} by which it shrinks"
+        ),
+    )
+    if whole:
+        _tell_joints(stream, figure, whole)
+    blocks = compensated(_safe(figure, stream), whole, outwards)
+    stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"], machine)
+    return stream.finish(blocks, machine)
+
+
+def stated(data: bytes) -> dict[int, str]:
+    """Return what each arc states beside x, y and J, for people, by its address.
+
+    >>> stated(bytes.fromhex("24 01 00002000 00000000 00002000 002828 00"))
+    {0: 'R 2.000 mm, grows outwards'}
+    """
+    s, figure = _fields(data, "")
+    words = {1: "grows outwards", -1: "shrinks outwards", 0: "no type"}
+    return {
+        int(s.starts[k]): f"R {mm(int(figure['radius'][k]))}, {words[int(figure['grows'][k])]}"
+        for k in np.flatnonzero(s.arc)
+    }
+
+
+def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
+    s = Stream(data, gap.LENGTH, file)
+    figure = np.zeros(len(s.starts), dtype=GAPPED)
+    figure["kind"], figure["turn"] = s.kind, s.turn
+    types = s.bytes_at(s.arc, 1)
+    figure["grows"] = np.select([types == gap.GROWS, types == gap.SHRINKS], [1, -1], 0)
+    figure["radius"] = s.column(s.arc, 2, 4)
+    xs = s.column(s.arc, 6, 4) + s.column(s.straight, 1, 3)
+    ys = s.column(s.arc, 10, 4) + s.column(s.straight, 4, 3)
+    figure["count"] = s.column(s.arc, 14, 3)
+    both = s.arc | s.straight
+    figure["x"], figure["y"] = quadrants.signed(xs, ys, np.where(both, s.named, 0))
+    return s, figure
+
+
+def _check(s: Stream, figure: NDArray[np.void], machine: Machine) -> None:
+    s.tell_digits()
+    s.tell(
+        Severity.ERROR,
+        "bad-type",
+        s.arc & (figure["grows"] == 0),
+        lambda i: "the compensation type is neither 0x01 (convex) nor 0x02 (concave)",
+    )
+    radius = np.hypot(figure["x"], figure["y"])
+    s.tell(
+        Severity.ERROR,
+        "radius-contradicts",
+        s.arc & (figure["radius"] < 1),
+        lambda i: "R is 0",
+    )
+    s.tell(
+        Severity.WARNING,
+        "radius-contradicts",
+        s.arc & (np.abs(radius - figure["radius"]) > 2 + 0.01 * radius),
+        lambda i: (
+            f"R is {mm(int(figure['radius'][i]))}, but the arc starts "
+            f"{mm(float(radius[i]))} from its centre"
+        ),
+    )
+    moving = s.arc | s.straight
+    right = quadrants.quadrant(figure["x"], figure["y"], s.turn)
+    s.tell(
+        Severity.NOTE,
+        "quadrant-repaired",
+        moving & s.good & (right != s.named) & (right != 0),
+        lambda i: (
+            f"instruction {s.codes[i]:#04x} read as {s.group[i] + right[i]:#04x}, "
+            "the quadrant that it enters"
+        ),
+    )
+    blocks = compensated(_safe(figure, s), 0)
+    s.tell_blocks(blocks["x"], blocks["y"], blocks["count"], machine)
+
+
+def _safe(figure: NDArray[np.void], s: Stream) -> NDArray[np.void]:
+    """Return the figure with blocks in error made harmless; they are left out in the end."""
+    out = figure.copy()
+    bad = ~s.good & (s.arc | s.straight)
+    out["kind"][bad] = Kind.LINE
+    for name, value in (("turn", 0), ("grows", 1), ("radius", 1), ("x", 1), ("y", 1)):
+        out[name][bad] = value
+    # R + gap > 0 has to hold for arcs only.
+    return out
+
+
+def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
+    """Refuse joints that the gap would tear apart by more than rounding explains."""
+    blocks = compensated(_safe(figure, s), 0)
+    cutting = (s.kind == Kind.LINE) | s.arc
+    ax, ay, bx, by, room = _directions(blocks)
+    following = np.zeros(len(blocks), dtype=bool)
+    following[:-1] = cutting[:-1] & cutting[1:] & s.good[:-1] & s.good[1:]
+    lead_in = np.zeros(len(blocks), dtype=bool)
+    lead_in[0:1] = True
+    lead_in[1:] = ~cutting[:-1]
+    lead_out = np.zeros(len(blocks), dtype=bool)
+    lead_out[-1:] = True
+    lead_out[:-1] = ~cutting[1:]
+    line = s.kind == Kind.LINE
+    n = np.arange(len(blocks))
+    after = np.minimum(n + 1, len(blocks) - 1)
+    following &= ~(lead_in & line) & ~(lead_out & line)[after]
+    angle = np.abs(np.arctan2(ax * by[after] - ay * bx[after], ax * bx[after] + ay * by[after]))
+    allowed = TORN_UM / gap_um + room + room[after]
+    s.tell(
+        Severity.ERROR,
+        "not-tangent",
+        following & (angle > allowed),
+        lambda i: f"it meets the next block at an angle of {np.degrees(angle[i]):.3f} degrees",
+        "round the corner, or write the offset path: --to compact",
+    )
+
+
+def _directions(blocks: NDArray[np.void]) -> tuple[NDArray[np.float64], ...]:
+    """Return the directions at the end and at the start of blocks, and what rounding does to them.
+
+    Returns:
+        End x, y; start x, y (unit vectors or 0); radians.
+    """
+    arc = blocks["kind"] == Kind.ARC
+    x, y = blocks["x"].astype(float), blocks["y"].astype(float)
+    turn = blocks["turn"].astype(float)
+    motion = run(blocks, LineTable.MIRROR)
+    ex, ey = x + motion.dx, y + motion.dy
+    sx, sy = np.where(arc, -turn * y, x), np.where(arc, turn * x, y)
+    ex, ey = np.where(arc, -turn * ey, x), np.where(arc, turn * ex, y)
+    size = np.maximum(np.hypot(x, y), 1.0)
+    # Where the centre of a short arc lies is known to a few um along the arc only.
+    sure = np.minimum(size, np.maximum(motion.steps, 1))
+    return (
+        ex / np.maximum(np.hypot(ex, ey), 1.0),
+        ey / np.maximum(np.hypot(ex, ey), 1.0),
+        sx / size,
+        sy / size,
+        4.0 / sure,
+    )

@@ -1,0 +1,81 @@
+"""What the ZD-065's gap compensation needs to know of a plan, and whether it can do it at all.
+
+The controller offsets an outline by scaling its arcs and leaving its lines. That is right only
+where every joint is tangent, so a plan is refused whose outlines have corners.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, error
+from wedmcam.geom.measure import segments_of
+from wedmcam.geom.segments import end_tangents, start_tangents
+from wedmcam.ir.plan import Plan, Side
+from wedmcam.ir.program import Program
+from wedmcam.transforms.doubles import place
+
+#: A joint may tear by this much when its segments are offset, um.
+TORN_UM = 1.0
+#: Joints that are listed one by one.
+LISTED = 10
+
+
+def outwards(side: Side) -> bool:
+    """Return what the operator chooses: True offsets like a punch (part), False like a die."""
+    return side is not Side.DIE
+
+
+def corners(plan: Plan) -> list[Diagnostic]:
+    """Return an error for each joint of a cut outline that is not tangent.
+
+    A joint at an angle a tears by offset times a; up to `TORN_UM` is taken for tangent.
+    """
+    if not plan.offset_um:
+        return []
+    found: list[Diagnostic] = []
+    more = 0
+    for cut in plan.cuts:
+        if cut.outline is None:
+            continue
+        c = cut.outline
+        s = segments_of(c.vertices, c.closed)
+        ex, ey = end_tangents(s)
+        sx, sy = start_tangents(s)
+        bx, by = np.roll(sx, -1), np.roll(sy, -1)
+        angle = np.abs(np.arctan2(ex * by - ey * bx, ex * bx + ey * by))
+        if not c.closed:
+            angle = angle[:-1]
+        for k in np.flatnonzero(angle * plan.offset_um > TORN_UM).tolist():
+            if len(found) >= LISTED:
+                more += 1
+                continue
+            x, y = float(s.x1[k]), float(s.y1[k])
+            found.append(
+                error(
+                    "not-tangent",
+                    f"the outline has a corner of {float(np.degrees(angle[k])):.3f} degrees at "
+                    f"{place(x, y)} mm; the controller's compensation takes tangent joints only",
+                    c.source_of(k),
+                    points_mm=((x / 1e3, y / 1e3),),
+                    hint="round the corners (--corner), or --to compact",
+                )
+            )
+    if more:
+        found.append(error("not-tangent", f"{more} further corners", count=more))
+    return found
+
+
+def grown(plan: Plan, program: Program) -> NDArray[np.int8]:
+    """Return for each block whether the offset made an arc larger (+1) or smaller (-1).
+
+    The outline lies on the side of what is kept; an arc whose centre is on that side grew.
+    """
+    left = {}
+    for cut in plan.cuts:
+        keeps = cut.keeps_left
+        left[cut.number] = plan.side is Side.RIGHT if keeps is None else keeps
+    side = np.array([1 if left.get(n, True) else -1 for n in program.blocks["cut"].tolist()])
+    turn = program.blocks["turn"]
+    return np.asarray(np.where(turn == 0, 1, turn * side), dtype=np.int8)

@@ -61,6 +61,8 @@ SORTS = (
     "y quadrant changed",
     "vertex moved 3 um",
     "mirrored arc",
+    "line in two",
+    "ratio doubled",
 )
 
 
@@ -183,6 +185,19 @@ def _mutant(sort: str, g: Golden, way: object, r: int) -> Mutant | None:
         if x * x + y * y < 2:
             return None
         new["x"][r], new["y"][r], new["turn"][r] = x, y, -b["turn"][r]
+    elif sort == "line in two":
+        if is_arc or (b["x"][r] and b["y"][r]) or b["count"][r] < 2 or b["kind"][r] != Kind.LINE:
+            return None
+        new = np.insert(new, r, b[r])
+        half = int(b["count"][r]) // 2
+        for row, count in ((r, half), (r + 1, int(b["count"][r]) - half)):
+            new["x"][row], new["y"][row] = np.sign(b["x"][r]) * count, np.sign(b["y"][r]) * count
+            new["count"][row] = count
+        last = r + 1
+    elif sort == "ratio doubled":
+        if is_arc or max(abs(b["x"][r]), abs(b["y"][r])) > 499_999:
+            return None
+        new["x"][r], new["y"][r] = 2 * b["x"][r], 2 * b["y"][r]
     else:
         raise AssertionError(sort)
     spans = ()  # blocks are named by number
@@ -235,12 +250,12 @@ def judged(g: Golden, mutant: Mutant) -> Outcome:
     errors = [d for d in found if d.severity is Severity.ERROR]
     texts = " | ".join(d.message for d in errors)
     numbers = [int(n) for n in re.findall(r"blocks? (\d+)", texts)]
-    # The block itself or its neighbour; where it is smooth, the one by which it shows.
+    # The block itself (1-based: row + 1), one beside it, or the last that was touched.
     named = mutant.row is None or any(mutant.row <= n <= mutant.last + 2 for n in numbers)
     return Outcome(
         mutant,
         apart,
-        same_steps(g.program, mutant.program, g.table),
+        apart <= FAR and same_steps(g.program, mutant.program, g.table),
         not verdict.ok,
         named,
         frozenset(d.code for d in errors),

@@ -169,7 +169,8 @@ def _compare(one: _Stretch, two: _Stretch, within: float) -> Difference:
             return Difference(False, largest, *blocks, (x, y), np.inf, "only one cuts on")
         there, off_there, most = _leaves(p, q, within)
         largest = max(largest, most)
-        back, off_back, most = _leaves(q, p, within)
+        limit = None if there is None else there + CHUNK
+        back, off_back, most = _leaves(q, p, within, limit)
         largest = max(largest, most)
         if there is None and back is None:
             continue
@@ -227,10 +228,16 @@ def _same(one: _Stretch, two: _Stretch, k: slice, el: slice, within: float) -> B
     return np.asarray(same & (np.hypot(off[:, 0], off[:, 1]) <= within))
 
 
-def _leaves(p: _Stretch, q: _Stretch, within: float) -> tuple[int | None, float, float]:
-    """Return the first step after which p is off q, how far, and the largest distance till then."""
+def _leaves(
+    p: _Stretch, q: _Stretch, within: float, limit: int | None = None
+) -> tuple[int | None, float, float]:
+    """Return the first step after which p is off q, how far, and the largest distance till then.
+
+    Steps after ``limit`` are not looked at.
+    """
     window = int(np.ceil(2.0 * within)) + 3
     total, other = int(p.first[-1]) + 1, int(q.first[-1]) + 1
+    total = total if limit is None else min(total, limit)
     largest = 0.0
     at = lag = 0
     while at < total:

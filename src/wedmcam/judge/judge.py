@@ -94,6 +94,10 @@ def judge(
     return verdict._replace(ok=not has_errors(findings)), findings
 
 
+#: A block end this far along the route from a vertex is beside it, um, and was meant for it.
+SLIP, SLIPPED = 1.5, 20.0
+
+
 class _Case(NamedTuple):
     """One program and plan, judged once a machine."""
 
@@ -146,7 +150,9 @@ class _Case(NamedTuple):
         deviation = np.full(len(index), np.nan)
         deviation[done] = m.deviation
         lost = dict(t.lost)
-        findings.extend(self._path_findings(way, index, cut_of, assigned, t, m, done, deviation))
+        findings.extend(
+            self._path_findings(way, index, cut_of, assigned, route, t, m, done, deviation)
+        )
         first = np.searchsorted(cut_of, np.arange(len(assigned) + 1))
         closures = []
         for k, a in enumerate(assigned):
@@ -257,6 +263,7 @@ class _Case(NamedTuple):
         index: Ints,
         cut_of: Ints,
         assigned: list[Assigned],
+        route: Route,
         t: Track,
         m: Survey,
         done: Bools,
@@ -270,6 +277,7 @@ class _Case(NamedTuple):
         wild = np.flatnonzero(stray > SLOP)
         lost = dict(t.lost)
         wrong = np.concatenate([off, wild, np.array(list(lost), np.int64)])
+        first = np.searchsorted(cut_of, np.arange(len(assigned)))
         for k in np.flatnonzero(np.bincount(cut_of[wrong])).tolist():
             name = f"cut {assigned[k].cut + 1}"
             mine = off[cut_of[off] == k]
@@ -289,6 +297,7 @@ class _Case(NamedTuple):
             if len(mine):
                 b = int(mine[0])
                 more = f"; {len(mine) - 1} more blocks of the cut do" if len(mine) > 1 else ""
+                more += _slip(route, t, int(first[k]), b, index)
                 findings.append(
                     self._block_error(
                         "path-deviation",
@@ -304,7 +313,7 @@ class _Case(NamedTuple):
                     f"is on the wire path of {name} out of its turn"
                     if on_path
                     else f"ends {lost[b] / 1000.0:.3f} mm beside the wire path of {name}"
-                )
+                ) + _slip(route, t, int(first[k]), b, index)
                 code = "wrong-order" if on_path else "path-deviation"
                 findings.append(self._block_error(code, way, int(index[b]), text))
         return findings
@@ -497,6 +506,26 @@ class _Case(NamedTuple):
                 )
             )
         return c.uncut_um
+
+
+def _slip(route: Route, t: Track, low: int, high: int, index: Ints) -> str:
+    """Return words on the first of blocks low to high - 1 that ends beside the vertex it is for.
+
+    Along a smooth path a block may run on, or fall short, and be found out by a later one.
+    """
+    at = t.high[low:high]
+    at = at[~np.isnan(at)]
+    if not len(at):
+        return ""
+    after = np.searchsorted(route.to, at)
+    near = np.stack([route.to[np.clip(after + d, 0, len(route.to) - 1)] for d in (-1, 0)])
+    missed = (at - near)[np.abs(at - near).argmin(axis=0), np.arange(len(at))]
+    slips = np.flatnonzero((np.abs(missed) > SLIP) & (np.abs(missed) < SLIPPED))
+    if not len(slips):
+        return ""
+    how = "past" if missed[slips[0]] > 0 else "short of"
+    far = abs(float(missed[slips[0]])) / 1000.0
+    return f"; block {int(index[low + slips[0]]) + 1} already ends {far:.3f} mm {how} its vertex"
 
 
 def _retraces(way: Walk, a: Assigned, cut: Cut) -> bool:

@@ -44,6 +44,9 @@ def _said(why: Exception) -> int:
     if isinstance(why, WrongUse):
         sys.stderr.write(f"error: {why}\n")
         return 2
+    if isinstance(why, OSError):
+        sys.stderr.write(f"error: {why.filename or 'output'}: {why.strerror or why}\n")
+        return 1
     if os.environ.get("WEDMCAM_DEBUG"):
         raise why
     sys.stderr.write(

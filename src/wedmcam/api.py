@@ -142,6 +142,8 @@ def options_in_mm(**mm: Any) -> Options:
         if key == "starts":
             values["starts_um"] = [(1000.0 * x, 1000.0 * y) for x, y in value]
         elif f"{key}_um" in known:
+            if value is not None and not isinstance(value, int | float):
+                raise WrongUse(f"{key}={value!r} is no length in mm")
             values[f"{key}_um"] = None if value is None else 1000.0 * value
         else:
             values[key] = value
@@ -306,6 +308,7 @@ def verify(
     stage = ""
     try:
         decoded = _decode(data, name, machine, run, options)
+        run.add("decode", _unended(decoded, machine))
         if certificate is not None:
             run.add("certificate", _check_certificate(certificate, data, drawing, machine))
             if origin_mm is None and _same(certificate, "output", data):
@@ -315,6 +318,8 @@ def verify(
             drawn = pipeline.read(drawing, drawing_name, options, run)
             plan = pipeline.plan(drawn, options, run)
             decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm)
+            if certificate is not None and _same(certificate, "output", data):
+                run.add("certificate", _check_figures(certificate, verdict, drawing))
         else:
             from wedmcam.judge.figures import figures as figures_of
 
@@ -394,6 +399,50 @@ def _check_certificate(
     return found
 
 
+def _unended(program: Program, machine: Machine) -> list[Diagnostic]:
+    """Return a warning when a text program does not say where it ends."""
+    from wedmcam.diag import warning
+    from wedmcam.ir.program import Kind
+
+    kinds = program.blocks["kind"]
+    if machine.format != "3b" or ((kinds == Kind.STOP) | (kinds == Kind.END)).any():
+        return []
+    return [
+        warning(
+            "no-end",
+            f"the program has no stop ({machine.words.stop}): some controllers run on into what "
+            "their memory still holds",
+            program.spans[-1] if len(program.spans) else None,
+            hint=f"end it with {machine.words.stop}",
+        )
+    ]
+
+
+def _check_figures(
+    certificate: dict[str, Any], verdict: Verdict, drawing: bytes
+) -> list[Diagnostic]:
+    """Return an error for each figure of a certificate that is not what was found now."""
+    from wedmcam.diag import error
+
+    if not _same(certificate, "input", drawing):
+        return []
+    found = []
+    for key in ("contours", "blocks", "steps", "closure_um", "max_deviation_um", "gouge_um"):
+        now, stated = getattr(verdict, key), certificate.get(key)
+        same = now == stated
+        if isinstance(now, float) and isinstance(stated, int | float):
+            same = abs(now - stated) <= 0.002  # certificates round up to a nanometre
+        if not same:
+            found.append(
+                error(
+                    "certificate-differs",
+                    f"the certificate says {key} {stated}, the program has {now}",
+                    hint="the certificate was changed, or is of another version: compile again",
+                )
+            )
+    return found
+
+
 def _judged(
     decoded: Program,
     plan: Plan,
@@ -411,14 +460,14 @@ def _judged(
     table = LineTable(machine.line_table)
     textbook = pipeline.count_of(machine, options) == "textbook"
 
-    def at(program: Program) -> tuple[Verdict, list[Diagnostic]]:
+    def at(program: Program, strict: bool = False) -> tuple[Verdict, list[Diagnostic]]:
         return judge(
             program,
             plan,
             table=table,
             limits=machine.limits,
             count="textbook" if textbook else "exact",
-            strict_order=False,
+            strict_order=strict,
             trimmed=options.trim,
         )
 
@@ -435,6 +484,12 @@ def _judged(
                 better, more = at(fitted)
                 if better.ok or better.max_deviation_um < verdict.max_deviation_um:
                     placed, verdict, found = fitted, better, [*notes, *more]
+    if not verdict.ok and len(verdict.cuts) < len(plan.cuts):
+        # A contour that lies nowhere says little. Followed in the plan's order, the first block
+        # that leaves it does, if the program is one of this plan at all.
+        strict, named = at(placed, strict=True)
+        if len(strict.cuts) == len(plan.cuts):
+            verdict, found = strict, named
     run.add("verify", found)
     return placed, verdict
 

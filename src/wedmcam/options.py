@@ -75,6 +75,10 @@ class Options:
     arithmetic: str = "float64"
 
     def __post_init__(self) -> None:
+        if self.units not in (None, "mm", "um", "inch"):
+            raise WrongUse(f"no unit is called '{self.units}': mm, um or inch")
+        if self.count not in (None, "exact", "textbook"):
+            raise WrongUse(f"no way of counting is called '{self.count}': exact or textbook")
         offset = self.offset_um or 0.0
         if offset < 0:
             raise WrongUse("the offset must not be negative: --side says on which side it is")
@@ -124,4 +128,4 @@ class Options:
                 values["starts_um"] = tuple((float(x), float(y)) for x, y in values["starts_um"])
             return cls(**values)
         except (TypeError, ValueError) as why:
-            raise WrongUse(f"the certificate's options cannot be read: {why}") from why
+            raise WrongUse(f"these options cannot be read: {why}") from why

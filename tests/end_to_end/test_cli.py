@@ -139,6 +139,52 @@ def test_certificate_and_verify(folder):
     assert b"block" in done.stderr
 
 
+def test_a_certificate_proves_nothing_without_its_drawing(folder):
+    line = "compile part.dxf -o a.3b --offset 0.1 --certificate a.json"
+    wedmcam(*line.split(), cwd=folder)
+    (folder / "deep").mkdir()
+    for name in ("a.3b", "a.json"):
+        (folder / "deep" / name).write_bytes((folder / name).read_bytes())
+    done = wedmcam(*"verify a.3b --certificate a.json".split(), cwd=folder / "deep")
+    assert done.returncode == 0, done.stderr.decode()  # found in the folder above
+    (folder / "part.dxf").unlink()
+    done = wedmcam(*"verify a.3b --certificate a.json".split(), cwd=folder)
+    assert done.returncode == 1
+    assert b"nothing" in done.stderr
+
+
+def test_changed_figures_of_a_certificate_are_seen(folder):
+    line = "compile part.dxf -o a.3b --offset 0.1 --certificate a.json"
+    wedmcam(*line.split(), cwd=folder)
+    issued = json.loads((folder / "a.json").read_text("utf-8"))
+    issued["max_deviation_um"] = 0.001
+    (folder / "a.json").write_text(json.dumps(issued), "utf-8")
+    done = wedmcam(*"verify a.3b --certificate a.json".split(), cwd=folder)
+    assert done.returncode == 3
+    assert b"max_deviation_um" in done.stderr
+
+
+def test_a_program_without_a_stop_is_told(folder):
+    wedmcam(*"compile part.dxf -o a.3b --offset 0.1".split(), cwd=folder)
+    text = (folder / "a.3b").read_bytes()
+    (folder / "a.3b").write_bytes(text.replace(b"DD\n", b""))
+    done = wedmcam(*"verify a.3b --against part.dxf --offset 0.1".split(), cwd=folder)
+    assert b"no-end" in done.stderr
+
+
+def test_devices_are_written_to_and_never_replaced(folder):
+    """A null device must still be one afterwards (here: a pipe of our own in its place)."""
+    pipe = folder / "pipe"
+    os.mkfifo(pipe)
+    reader = subprocess.Popen(["cat", str(pipe)], stdout=subprocess.PIPE)
+    line = "compile part.dxf -o pipe --to 3b --offset 0.1"
+    done = wedmcam(*line.split(), cwd=folder)
+    out, _ = reader.communicate(timeout=20)
+    assert done.returncode == 0, done.stderr.decode()
+    assert out.startswith(b"B")
+    assert pipe.is_fifo()
+
+
 def test_standard_input_and_output(folder):
     drawing = (folder / "part.dxf").read_bytes()
     line = "compile - -o - --to 3b --offset 0.1"

@@ -102,6 +102,16 @@ def test_radius_over_the_limit_becomes_chords_and_is_said():
     assert (program.blocks["kind"] == Kind.ARC).any()
 
 
+@pytest.mark.parametrize("side", ["part", "die"])
+@pytest.mark.parametrize("radius", [1_000_050, 1_200_000, 4_000_000])
+def test_chords_of_large_radii_are_proven(radius, side):
+    import wedmcam
+
+    made = wedmcam.compile(parts.dxf_bytes((parts.circle(0, 0, radius),)), offset=0.1, side=side)
+    assert made.ok, [d.message for d in made.findings if d.severity == 2]
+    assert made.verdict.gouge_um <= 1.6
+
+
 def test_an_arc_that_rounds_to_nothing_never_becomes_a_circle():
     """Q-05: start = end after rounding is no block, never a full circle."""
     r = 50_000.0

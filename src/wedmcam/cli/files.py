@@ -40,6 +40,12 @@ class Failed(click.ClickException):
         click.echo(f"error: {self.message}", err=True)
 
 
+class Unreadable(Failed):
+    """One of two files to compare cannot be read: exit status 2 (`diff`)."""
+
+    exit_code = 2
+
+
 def check_outputs(inputs: Sequence[str], outputs: Sequence[str]) -> None:
     """Refuse outputs that are inputs, or each other.
 
@@ -73,6 +79,8 @@ def write_outputs(outputs: Sequence[tuple[str, bytes]]) -> None:
         for name, data in outputs:
             if name == "-":
                 continue
+            if _is_device(name):
+                continue
             place = Path(name).resolve()
             handle, beside = tempfile.mkstemp(prefix=f".{place.name}.", dir=place.parent)
             made.append((beside, str(place)))
@@ -89,9 +97,22 @@ def write_outputs(outputs: Sequence[tuple[str, bytes]]) -> None:
             with suppress(OSError):
                 os.unlink(beside)
     for name, data in outputs:
-        if name == "-":
-            sys.stdout.buffer.write(data)
-            sys.stdout.buffer.flush()
+        try:
+            if name == "-":
+                sys.stdout.buffer.write(data)
+                sys.stdout.buffer.flush()
+            elif _is_device(name):
+                with open(name, "wb") as device:
+                    device.write(data)
+        except BrokenPipeError:
+            raise
+        except OSError as why:
+            raise Failed(f"{name}: cannot be written: {why.strerror}") from why
+
+
+def _is_device(name: str) -> bool:
+    """Return whether an output is there and no regular file: it is written to, never replaced."""
+    return Path(name).exists() and not Path(name).is_file()
 
 
 def _mode(place: Path) -> int:

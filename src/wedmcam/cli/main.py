@@ -11,7 +11,7 @@ import click
 
 from wedmcam import __version__
 from wedmcam.cli import asked as ask
-from wedmcam.cli.files import Failed, check_outputs, read_input, write_outputs
+from wedmcam.cli.files import Failed, Unreadable, check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import LENGTH, POINT
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
@@ -187,8 +187,8 @@ def batch_command(
 @click.option(
     "--metamorphic",
     is_flag=True,
-    help="Also compile the drawing rotated, mirrored, reversed and threaded elsewhere: programs must "
-    "be images of each other.",
+    help="Also compile the drawing rotated, mirrored, reversed and threaded elsewhere: its programs "
+    "must be images of each other.",
 )
 @ask.compile_options
 @ask.feed_option
@@ -265,13 +265,22 @@ def _issued(certificate: str | None) -> dict[str, Any] | None:
     return data
 
 
-def _drawing_of(issued: dict[str, Any], certificate: str) -> str | None:
-    """Return the drawing that a certificate names, beside it or from here; None if not there."""
+def _drawing_of(issued: dict[str, Any], certificate: str) -> str:
+    """Return the drawing that a certificate names: from here, or from a folder above it.
+
+    Raises:
+        Failed: it is not there.
+    """
     name = str(issued.get("input") or "")
-    for place in (Path(name), Path(certificate).parent / Path(name).name):
+    folder = Path(certificate).resolve().parent
+    places = [Path(name), *(above / name for above in (folder, *folder.parents))]
+    for place in (*places, folder / Path(name).name):
         if name and place.is_file():
             return str(place)
-    return None
+    raise Failed(
+        f"{certificate}: the drawing {name or '(none)'} of the certificate is not there, so nothing "
+        "can be proven; give --against DRAWING"
+    )
 
 
 def _say_proof(proof: Any, verbose: bool) -> None:
@@ -331,8 +340,7 @@ def diff_command(
     try:
         one, two = read_input(a), read_input(b)
     except Failed as why:
-        why.exit_code = 2
-        raise
+        raise Unreadable(why.message) from why
     found, said = api.diff(
         one,
         two,

@@ -492,9 +492,9 @@ CODES: dict[str, Code] = {
         "Split the file, or remove what follows the end.",
     ),
     "no-end": Code(
-        "The data stop without an end byte 0x00.",
+        "The program does not say where it ends (no DD; no end byte 0x00).",
         "The controller goes on into whatever the memory holds.",
-        "Add a byte 0x00; check whether the file was cut short.",
+        "End it so, and check whether the file was cut short.",
     ),
     "bad-instruction": Code(
         "A byte where an instruction is expected that is none.",

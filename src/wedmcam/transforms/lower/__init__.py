@@ -259,7 +259,20 @@ def _chords_over_limit(s: _State, course: Course, target: Target) -> list[Diagno
                 course.sources[s.source[k]] if s.source[k] >= 0 else None,
             )
         )
-    _replace(s, rows, np.ceil(sweep / step).astype(np.int64), chords=True)
+    first = len(s.x)
+    keeps_inside = s.keeps[rows] * s.turn[rows] > 0
+    pieces = np.ceil(sweep / step).astype(np.int64)
+    cx, cy, radius = s.cx[rows], s.cy[rows], s.radius[rows]
+    outwards = np.where(s.keeps[rows] == 0, 0.0, np.where(keeps_inside, CHORD_SAG_UM, -0.1))
+    _replace(s, rows, pieces, chords=True)
+    # The microns of the new vertices are free to choose: on the side away from the kept material.
+    of = np.repeat(np.arange(len(rows)), pieces - 1)
+    v = np.arange(first, len(s.x))
+    px, py = s.gx[v][:, None] + NEIGHBOURS[:, 0], s.gy[v][:, None] + NEIGHBOURS[:, 1]
+    off = np.hypot(px - cx[of][:, None], py - cy[of][:, None]) - radius[of][:, None]
+    away = np.hypot(px - s.x[v][:, None], py - s.y[v][:, None])
+    best = np.argmin(np.abs(off - outwards[of][:, None]) + 0.02 * away, axis=1)
+    s.gx[v], s.gy[v] = px[np.arange(len(v)), best], py[np.arange(len(v)), best]
     return found
 
 

@@ -499,8 +499,10 @@ def _fitted(
 
 
 def _variant_of(rows: Rows, stretched: set[int]) -> _Variant:
-    used, rank = np.unique(rows["source"], return_inverse=True)
-    return _Variant(rows, used, rank.astype(np.int64), {}, stretched, [], [])
+    # Not np.unique: it imports numpy.ma, which every start would pay for.
+    there = np.bincount(rows["source"]) > 0
+    rank = (np.cumsum(there) - 1)[rows["source"]]
+    return _Variant(rows, np.flatnonzero(there), rank, {}, stretched, [], [])
 
 
 def _grid(insert: Insert) -> Iterator[tuple[int, int]]:

@@ -106,7 +106,7 @@ def _finite(rows: Rows, placed: Placement) -> Rows:
     for name in ("x0", "y0", "x1", "y1", "cx", "cy"):
         size = np.maximum(size, np.abs(rows[name]))
     good = size <= FARTHEST_UM
-    for at in np.unique(rows["source"][~good]).tolist():
+    for at in sorted(set(rows["source"][~good].tolist())):
         placed.problem("bad-number", "", placed.sources[at])
     return rows if good.all() else rows[good]
 

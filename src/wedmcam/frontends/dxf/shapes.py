@@ -351,7 +351,7 @@ def _segments(heap: Heap) -> Rows:
         for name in ("x0", "y0", "x1", "y1", "cx", "cy"):
             size = np.maximum(size, np.abs(rows[name]))
         good = size <= FARTHEST_UM  # False for NaN, too
-    for at in np.unique(rows["source"][~good]).tolist():
+    for at in sorted(set(rows["source"][~good].tolist())):
         heap.problem("bad-number", at)
     nothing = good & (rows["turn"] == 0)
     nothing &= (rows["x0"] == rows["x1"]) & (rows["y0"] == rows["y1"])
@@ -440,9 +440,9 @@ def _of_polylines(heap: Heap) -> Rows:
     chord = np.hypot(dx, dy)
     length = chord > 0
     absurd = length & ~(np.abs(b) < ABSURD_BULGE)
-    for entity in np.unique(source[k][absurd & np.isfinite(b)]).tolist():
+    for entity in sorted(set(source[k][absurd & np.isfinite(b)].tolist())):
         heap.problem("bad-bulge", entity)
-    for entity in np.unique(source[k][absurd & ~np.isfinite(b)]).tolist():
+    for entity in sorted(set(source[k][absurd & ~np.isfinite(b)].tolist())):
         heap.problem("bad-number", entity)
     flat = ~length | absurd | (np.abs(b) < FLAT_BULGE) | (np.abs(b) * chord < 2 * FLAT_UM)
     arc = ~flat

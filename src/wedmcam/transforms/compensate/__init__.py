@@ -185,8 +185,8 @@ def _without_conflicts(
     raw = raw_offset(source, sharp)
     found = resolve(source, raw, Limits())
     lost = raw.contour[found.element[found.lost]]
-    bad = np.unique(lost)
-    good = np.setdiff1d(np.arange(len(outlines)), bad).tolist()
+    is_bad = np.bincount(lost, minlength=len(outlines)) > 0
+    bad, good = np.flatnonzero(is_bad), np.flatnonzero(~is_bad).tolist()
     if not len(bad):  # lost only in a later attempt, or the contours cross
         return Compensated((), (), 0), [_crossing(outlines)]
     alone = [compensate([outlines[k]], [shifts[k]], sharp=sharp)[1] for k in bad.tolist()]

@@ -154,7 +154,7 @@ def find_interference(
     result = _findings(source, raw, found, reach, e[wanted], f[wanted], node[wanted], seen[wanted])
     loops = np.zeros(len(outlines), np.int64)
     for run in runs:
-        loops[np.unique(raw.contour[found.element[run]])] += 1
+        loops[np.flatnonzero(np.bincount(raw.contour[found.element[run]]))] += 1
     result += [_vanished(source, number) for number in np.flatnonzero(loops == 0).tolist()]
     covered = np.zeros(n, bool)
     index = (

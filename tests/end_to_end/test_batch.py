@@ -2,9 +2,10 @@
 
 import json
 
-import parts
 import pytest
 from test_cli import wedmcam
+
+import parts
 
 
 @pytest.fixture

@@ -1,8 +1,8 @@
 """Wrong use of the library is said in words."""
 
-import parts
 import pytest
 
+import parts
 import wedmcam
 
 DRAWING = parts.dxf_bytes((parts.rectangle(20_000, 10_000),))

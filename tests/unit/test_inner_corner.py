@@ -1,9 +1,9 @@
 """What counts as one sharp inner corner (cut with the wire's radius) and what as interference."""
 
 import numpy as np
-import parts
 import pytest
 
+import parts
 from wedmcam.transforms.compensate import compensate
 
 

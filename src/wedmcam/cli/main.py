@@ -187,7 +187,7 @@ def batch_command(
 @click.option(
     "--metamorphic",
     is_flag=True,
-    help="Also compile the drawing rotated, mirrored, reversed and threaded elsewhere: its programs "
+    help="Also compile the drawing rotated, mirrored, reversed, threaded elsewhere: its programs "
     "must be images of each other.",
 )
 @ask.compile_options
@@ -278,8 +278,8 @@ def _drawing_of(issued: dict[str, Any], certificate: str) -> str:
         if name and place.is_file():
             return str(place)
     raise Failed(
-        f"{certificate}: the drawing {name or '(none)'} of the certificate is not there, so nothing "
-        "can be proven; give --against DRAWING"
+        f"{certificate}: the drawing {name or '(none)'} of the certificate is not there, so "
+        "nothing can be proven; give --against DRAWING"
     )
 
 

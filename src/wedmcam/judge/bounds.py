@@ -214,7 +214,7 @@ def _progress(
     out.back[rows] = back
     out.over[rows] = np.maximum(t1 + back - high[rows], 0.0)
     out.under[rows] = np.maximum(low[rows] - (t0 - back), 0.0)
-    out.short[rows] = np.maximum(np.maximum(t0 - low[rows] - 1.0, high[rows] - t1), 0.0)
+    out.short[rows] = np.maximum(np.maximum(t0 - low[rows], high[rows] - t1), 0.0)
     stays = (t1 + back <= high[rows] + FUZZ) & (t0 - back >= low[rows] - FUZZ)
     out.least[rows] = np.where(stays, np.maximum(inner - FUZZ, 0.0), 0.0)
 

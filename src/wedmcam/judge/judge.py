@@ -94,8 +94,9 @@ def judge(
     return verdict._replace(ok=not has_errors(findings)), findings
 
 
-#: A block end this far along the route from a vertex is beside it, um, and was meant for it.
-SLIP, SLIPPED = 1.5, 20.0
+#: A block ends on a vertex up to the first, um along the route; up to the second it was meant for
+#: it, if no other block ends there.
+SLIP, SLIPPED = 1.5, 1000.0
 
 
 class _Case(NamedTuple):
@@ -518,9 +519,14 @@ def _slip(route: Route, t: Track, low: int, high: int, index: Ints) -> str:
     if not len(at):
         return ""
     after = np.searchsorted(route.to, at)
-    near = np.stack([route.to[np.clip(after + d, 0, len(route.to) - 1)] for d in (-1, 0)])
-    missed = (at - near)[np.abs(at - near).argmin(axis=0), np.arange(len(at))]
-    slips = np.flatnonzero((np.abs(missed) > SLIP) & (np.abs(missed) < SLIPPED))
+    near = np.stack([np.clip(after + d, 0, len(route.to) - 1) for d in (-1, 0)])
+    nearest = np.abs(at - route.to[near]).argmin(axis=0)
+    vertex = near[nearest, np.arange(len(at))]
+    missed = at - route.to[vertex]
+    # A block may end anywhere on a segment, if another one ends on its vertex.
+    met = np.zeros(len(route.to), bool)
+    met[vertex[np.abs(missed) <= SLIP]] = True
+    slips = np.flatnonzero(~met[vertex] & (np.abs(missed) < SLIPPED))
     if not len(slips):
         return ""
     how = "past" if missed[slips[0]] > 0 else "short of"

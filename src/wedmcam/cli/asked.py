@@ -225,3 +225,12 @@ def format_of(output: str, to: str | None, profile: Machine | None = None) -> st
         known = ", ".join(FORMAT_OF_SUFFIX)
         raise WrongUse(f"the name {output} does not tell the format ({known}): give --to")
     return found
+
+
+def warn_of_name(output: str, format_: str) -> None:
+    """Say so when the name of an output tells another format than is written."""
+    from wedmcam.options import FORMAT_OF_SUFFIX
+
+    named = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
+    if named is not None and named != format_:
+        click.echo(f"warning: the name {output} says {named}, but {format_} is written", err=True)

@@ -56,6 +56,7 @@ def compile_command(
     feed = ask.feed_of(asked)
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
     machine = ask.machine_of(asked["profile"], ask.format_of(output, to, machine))
+    ask.warn_of_name(output, machine.format)
     outputs = [name for name in (output, certificate, plot_) if name is not None]
     check_outputs([input_], outputs)
     if output == "-" and asked["json_"]:

@@ -161,14 +161,14 @@ def _mutant(sort: str, g: Golden, way: object, r: int) -> Mutant | None:
             return None
         new[sort[0]][r] *= -1
     elif sort == "vertex moved 3 um":
-        if is_arc or r + 1 >= len(b) or b["kind"][r + 1] != Kind.LINE:
+        if is_arc or r + 1 >= len(b) or b["kind"][r + 1] > Kind.ARC:
             return None
-        # The vertex between two lines, 3 um to the left of the first; both count all their way.
+        # The end of a line, 3 um to its left; a line behind it ends where it did, an arc follows.
         dx, dy = (int(v) for v in way.end[r] - way.start[r])
         ex, ey = (int(v) for v in way.end[r + 1] - way.start[r + 1])
         mx, my = (0, 3 if dx > 0 else -3) if abs(dx) >= abs(dy) else (-3 if dy > 0 else 3, 0)
         for row, x, y in ((r, dx + mx, dy + my), (r + 1, ex - mx, ey - my)):
-            if not _set_line(new, row, x, y, g.table):
+            if b["kind"][row] == Kind.LINE and not _set_line(new, row, x, y, g.table):
                 return None
         last = r + 1
     elif sort == "mirrored arc":
@@ -227,7 +227,10 @@ def of_the_whole(g: Golden) -> Iterator[Mutant]:
         ("wire diameter for radius", {"offset": 0.2}),
         ("offset forgotten", {"offset": 0.001}),
     ):
-        made = api.compile(drawing, to=to, **{**asked, **change})
+        forged = {**asked, **change}
+        if "corner" in forged:  # no rounding below the offset
+            forged["corner"] = max(forged["corner"], forged["offset"])
+        made = api.compile(drawing, to=to, **forged)
         if made.ok:
             yield Mutant(sort, replace(made.program, spans=()), None, 0)
     # Each cut left out: its blocks between controls and moves, the wire moved on to the next.

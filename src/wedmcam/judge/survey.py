@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wedmcam.judge.bounds import Bounds, bound, extents
-from wedmcam.judge.deviation import SLOP, Measured, measure
+from wedmcam.judge.deviation import CHUNK, SLOP, Measured, measure
 from wedmcam.judge.material import Kept
 from wedmcam.judge.route import Route
 from wedmcam.judge.segments import Bools, Floats, Ints
@@ -72,10 +72,7 @@ def survey(
         deepest = kept.bound_piece(segment, b.low, b.high)
         known &= deepest <= gouge_limit_um
     held = _Held(way, index, low, high, route, kept, b, known)
-    held.measure(np.flatnonzero(~known))
-    if held.failed(path_limit_um, gouge_limit_um):
-        return everything(way, index, low, high, route, kept)
-    held.settle(lead, deepest)
+    held.settle(lead, deepest, ~known)
     if held.failed(path_limit_um, gouge_limit_um):
         return everything(way, index, low, high, route, kept)
     return Survey(
@@ -151,25 +148,29 @@ class _Held:
             or self.gouge > gouge_limit_um
         )
 
-    def settle(self, lead: Bools, deepest: Floats) -> None:
-        """Measure what may hold the largest deviation of leads, of all else, and of the gouge."""
-        take = 8
+    def settle(self, lead: Bools, deepest: Floats, wanted: Bools) -> None:
+        """Measure what may hold the largest deviation of leads, of all else, and of the gouge.
+
+        Blocks ``wanted`` are measured in any case.
+        """
+        # About a chunk of places at a time for the three searches together: a call costs as much.
+        each = float(self.way.steps[self.index].mean())
+        take = max(8, int(CHUNK / (4.0 * each)))
         groups = [np.flatnonzero(lead), np.flatnonzero(~lead)]
         while True:
-            wanted = []
+            rows = wanted.copy()
+            left = ~self.exact & ~wanted
             for group in groups:
                 done = self.exact[group]
                 most = float(self.deviation[group][done].max(initial=0.0))
-                open_ = group[~done & (self.deviation[group] > most + CLOSE)]
-                wanted.append(_first(open_, self.deviation[open_], take))
-            open_ = np.flatnonzero(~self.exact & (deepest > max(self.gouge, 0.0) + CLOSE))
-            wanted.append(_first(open_, deepest[open_], take))
-            rows = np.concatenate(wanted)
-            if not len(rows):
+                open_ = group[left[group] & (self.deviation[group] > most + CLOSE)]
+                rows[_first(open_, self.deviation[open_], take)] = True
+            open_ = np.flatnonzero(left & (deepest > max(self.gouge, 0.0) + CLOSE))
+            rows[_first(open_, deepest[open_], take)] = True
+            if not rows.any():
                 break
-            mask = np.zeros(len(self.index), bool)
-            mask[rows] = True
-            self.measure(np.flatnonzero(mask))
+            self.measure(np.flatnonzero(rows))
+            wanted = np.zeros(len(rows), bool)
             take *= 4
         for group in groups:
             done = self.exact[group]

@@ -14,8 +14,6 @@ from wedmcam.ir.plan import Order, Side
 #: File name endings of programs, and the format each means.
 FORMAT_OF_SUFFIX = {".3b": "3b", ".zd": "compact", ".zdr": "rotation", ".zdc": "compensation"}
 SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.items()}
-#: File name endings of sources.
-SOURCE_OF_SUFFIX = {".dxf": "dxf"}
 PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation")
 SOURCE_FORMATS = ("dxf",)
 

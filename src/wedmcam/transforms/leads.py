@@ -172,8 +172,7 @@ def _serves(scene: _Scene, x: int, y: int) -> tuple[int | None, str]:
         if lane.scrap_left is None:
             candidates.append(k)
             continue
-        # A counter-clockwise outline has its inside to the left.
-        scrap_inside = lane.scrap_left == (measure.area(lane.outline.vertices) > 0)
+        scrap_inside = _scrap_inside(lane)
         inside_home = home < 0 or _scrap_inside(outlines[home])
         if (lane.contour == home and scrap_inside) or (
             lane.contour not in around and lane.parent == home and not scrap_inside and inside_home
@@ -194,6 +193,7 @@ def _serves(scene: _Scene, x: int, y: int) -> tuple[int | None, str]:
 
 
 def _scrap_inside(lane: Lane) -> bool:
+    # A counter-clockwise outline has its inside to the left.
     return lane.scrap_left == (measure.area(lane.outline.vertices) > 0)
 
 

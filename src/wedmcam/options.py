@@ -16,6 +16,7 @@ FORMAT_OF_SUFFIX = {".3b": "3b", ".zd": "compact", ".zdr": "rotation", ".zdc": "
 SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.items()}
 PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation")
 SOURCE_FORMATS = ("dxf",)
+ARITHMETICS = ("decimal8", "float64")
 
 
 class WrongUse(Exception):  # noqa: N818 - a kind of stop, not of error
@@ -47,7 +48,7 @@ class Options:
         reverse: clockwise instead of counter-clockwise.
         count: "exact", "textbook", or None for what the profile says.
         strict: warnings are errors.
-        arithmetic: name of the arithmetic that formulas run in.
+        arithmetic: "decimal8", in which the ZD-065 computes, or "float64": in what formulas run.
     """
 
     units: str | None = None
@@ -70,13 +71,17 @@ class Options:
     reverse: bool = False
     count: str | None = None
     strict: bool = False
-    arithmetic: str = "float64"
+    arithmetic: str = "decimal8"
 
     def __post_init__(self) -> None:
         if self.units not in (None, "mm", "um", "inch"):
             raise WrongUse(f"no unit is called '{self.units}': mm, um or inch")
         if self.count not in (None, "exact", "textbook"):
             raise WrongUse(f"no way of counting is called '{self.count}': exact or textbook")
+        if self.arithmetic not in ARITHMETICS:
+            raise WrongUse(
+                f"no arithmetic is called '{self.arithmetic}': {' or '.join(ARITHMETICS)}"
+            )
         offset = self.offset_um or 0.0
         if offset < 0:
             raise WrongUse("the offset must not be negative: --side says on which side it is")

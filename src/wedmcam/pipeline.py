@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from wedmcam.arithmetic import FLOAT64
+from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, Severity, has_errors, note
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan, Side
@@ -113,11 +113,22 @@ def _transformed(
     parsed = [figures.parse_transform(text, name) for text, name in zip(texts, names, strict=True)]
     run.add("transform", [d for _, found in parsed for d in found])
     whole = figures.Sequence(tuple(t for t, _ in parsed if t is not None))
-    made = run("transform", figures.transformed(contours, whole, FLOAT64, sketch.thread_points))
+    made = run(
+        "transform", figures.transformed(contours, whole, arithmetic(options), sketch.thread_points)
+    )
     run.add("transform", figures.idle_reverse(contours, whole))
     contours = figures.counter_clockwise(made[0])
     run.add("transform", contour_meetings(contours))
     return replace(sketch, thread_points=made[1]), contours
+
+
+def arithmetic(options: Options) -> Arithmetic:
+    """Return the arithmetic in which formulas run."""
+    if options.arithmetic == FLOAT64.name:
+        return FLOAT64
+    from wedmcam.decimal8 import DECIMAL8
+
+    return DECIMAL8
 
 
 def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
@@ -131,8 +142,10 @@ def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
     if options.corner_um:
         from wedmcam.transforms.corners import round_corners
 
-        contours = run("corners", round_corners(contours, options.corner_um, FLOAT64))
-    lanes = run("compensate", planning.lanes(contours, drawn.nesting, options, side, FLOAT64))
+        contours = run("corners", round_corners(contours, options.corner_um, arithmetic(options)))
+    lanes = run(
+        "compensate", planning.lanes(contours, drawn.nesting, options, side, arithmetic(options))
+    )
     threads = list(drawn.sketch.thread_points)
     threads += [ThreadPoint(x, y) for x, y in options.starts_um]
     cuts = run("leads", planning.cuts(lanes, threads, drawn.nesting, options))

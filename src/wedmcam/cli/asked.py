@@ -54,6 +54,13 @@ drawing_options = _stack(
         metavar="TEXT",
         help="Such as 'rotate 10 copies 35 about (0, 0)'; repeat, in order.",
     ),
+    click.option(
+        "--arithmetic",
+        type=click.Choice(["decimal8", "float64"]),
+        default="decimal8",
+        help="In what figures are computed: 8-digit decimals, as the ZD-065 does, or float64 to "
+        "compare.",
+    ),
 )
 
 path_options = _stack(
@@ -148,6 +155,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         order=Order(asked["order"]) if asked["order"] else None,
         reverse=asked["reverse"],
         count=asked["count"],
+        arithmetic=asked["arithmetic"],
         strict=asked.get("strict", False),
     )
 

@@ -380,6 +380,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
         ignore_layers=asked["ignore_layers"],
         join_um=asked["join_um"],
         transforms=asked["transforms"],
+        arithmetic=asked["arithmetic"],
         side=side,
         offset_um=1.0 if side else None,  # a side needs one; it is not used
         strict=asked["strict"],

@@ -6,7 +6,9 @@ decides nothing: which root is meant, and whether there is one, is known to the 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from wedmcam.arithmetic import Arithmetic
 
@@ -64,7 +66,61 @@ def shifted(ar: Arithmetic, p: Pair, n: Pair, by: Array) -> Pair:
     return p[0] + n[0] * by, p[1] + n[1] * by
 
 
-def on_circle(ar: Arithmetic, c: Pair, through: Pair, r: Array) -> Pair:
-    """Return the point of the circle (c, r) in the direction of ``through`` seen from c."""
-    u = unit(ar, through[0] - c[0], through[1] - c[1])
-    return c[0] + u[0] * r, c[1] + u[1] * r
+class Curve(NamedTuple):
+    """A line or a circle, as a point on it, the left normal there, and its curvature.
+
+    A line has curvature 0; a circle 1 / r, above 0 where it bends to the left. With its centre a
+    flat arc would lose all digits (8 of them are 1 um for a centre 10 m away); as a curve it loses
+    none, for everything is measured from the point.
+    """
+
+    at: Pair
+    normal: Pair
+    curvature: Array
+
+
+def meeting(ar: Arithmetic, one: Curve, two: Curve) -> tuple[Pair, Pair]:
+    """Return where two curves meet: both crossings, the same one twice for two lines.
+
+    Curves that miss each other give the place where they come nearest. The two are not parallel
+    where both are lines, and not concentric.
+
+    With d from the point of a curve, the curve is where d . n = curvature |d|^2 / 2. The difference
+    of two such equations, taken so that |d|^2 falls out, is the line on which the crossings lie.
+    """
+    swap = one.curvature * one.curvature > two.curvature * two.curvature
+    one, two = _chosen(ar, swap, two, one), _chosen(ar, swap, one, two)  # the straighter first
+    (nx, ny), (mx, my) = one.normal, two.normal
+    ex, ey = two.at[0] - one.at[0], two.at[1] - one.at[1]
+    bent = two.curvature != 0
+    divisor = ar.where(bent, two.curvature, ar.array(np.ones(len(bent))))
+    ratio = one.curvature / divisor
+    wx, wy = nx - ratio * mx - one.curvature * ex, ny - ratio * my - one.curvature * ey
+    # The foot of the line w . d = h: seen from the point of one, and then from that of two.
+    h = -(ratio * (ex * mx + ey * my)) - one.curvature * (ex * ex + ey * ey) / 2
+    size = wx * wx + wy * wy
+    fx, fy = wx * h / size, wy * h / size
+    root = ar.sqrt(size)
+    ux, uy = wy / root, -wx / root
+    gx, gy = fx - ex, fy - ey
+    # From there t along u to curve two: curvature t^2 / 2 - b t - c = 0.
+    b = ux * mx + uy * my - two.curvature * (gx * ux + gy * uy)
+    c = gx * mx + gy * my - two.curvature * (gx * gx + gy * gy) / 2
+    square = b * b + two.curvature * c * 2
+    meet = square > 0
+    half = ar.sqrt(ar.where(meet, square, square - square))
+    far = b + ar.where(b < 0, -half, half)
+    once = -(c * 2) / ar.where(meet, far, ar.array(np.ones(len(bent))))
+    far_t = ar.where(bent, far / divisor, once)
+    near_t = ar.where(meet, once, far_t)
+    x, y = one.at[0] + fx, one.at[1] + fy
+    return (x + ux * near_t, y + uy * near_t), (x + ux * far_t, y + uy * far_t)
+
+
+def _chosen(ar: Arithmetic, condition: Any, a: Curve, b: Curve) -> Curve:
+    """Return a where the condition holds, else b."""
+    at = [ar.where(condition, p, q) for p, q in zip(a.at, b.at, strict=True)]
+    normal = [ar.where(condition, p, q) for p, q in zip(a.normal, b.normal, strict=True)]
+    return Curve(
+        (at[0], at[1]), (normal[0], normal[1]), ar.where(condition, a.curvature, b.curvature)
+    )

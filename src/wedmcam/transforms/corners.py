@@ -7,18 +7,23 @@ offset, punch and die have the same corners.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, error
 from wedmcam.geom import formulas
 from wedmcam.geom import segments as seg
-from wedmcam.geom.segments import Segments
+from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import VERTEX, Contour
+from wedmcam.transforms.shifted import Shifted
 
 #: A turn below this is a tangent joint: 1 um over 1 mm (radians).
 TANGENT = 1e-3
+#: A centre farther than this from where it belongs is none: 8 digits of 10 m are 1 um.
+MISS_UM = 1.0
 
 
 def round_corners(
@@ -38,7 +43,11 @@ def round_corners(
 
 
 def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, list[Diagnostic]]:
-    s = seg.of_rows(contour.starts, contour.ends)
+    v = contour.vertices
+    ox, oy = (float(np.round(0.5 * (v[k].min() + v[k].max()))) for k in ("x", "y"))
+    a, b = contour.starts, contour.ends
+    s = seg.make(a["x"] - ox, a["y"] - oy, b["x"] - ox, b["y"] - oy, a["cx"] - ox, a["cy"] - oy,
+                 a["turn"].copy())  # fmt: skip
     n = len(s)
     nxt = np.roll(np.arange(n), -1)
     t1x, t1y = seg.end_tangents(s)
@@ -48,110 +57,98 @@ def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, li
     sharp = np.abs(np.arctan2(cross, dot)) > TANGENT
     if not contour.closed:
         sharp[-1] = False
-    if not sharp.any():
+    i = np.flatnonzero(sharp)
+    if not len(i):
         return contour, []
-    found: list[Diagnostic] = []
+    k = nxt[i]
+    side = np.where(cross[i] > 0, 1.0, -1.0)
+    arcs = _arcs(s, i, k, side * radius, ar)
+    at_i = seg.position_of(s.take(i), arcs.x0, arcs.y0)
+    at_k = seg.position_of(s.take(k), arcs.x1, arcs.y1)
+    fits = arcs.good & (at_i >= 0.0) & (at_i < s.length[i])
+    fits &= (at_k > 0.0) & (at_k <= s.length[k])
     begin, end = np.zeros(n), s.length.copy()
-    arcs: dict[int, tuple[float, float, int]] = {}
-    for i in np.flatnonzero(sharp).tolist():
-        k = int(nxt[i])
-        side = 1.0 if cross[i] > 0 else -1.0
-        centre = _centre(s, i, k, side * radius, ar)
-        if centre is not None:
-            at_i = _foot(s, i, centre)
-            at_k = _foot(s, k, centre)
-            if 0.0 <= at_i < s.length[i] and 0.0 < at_k <= s.length[k]:
-                end[i], begin[k] = at_i, at_k
-                arcs[i] = (centre[0], centre[1], int(side))
-                continue
-        found.append(_too_large(contour, s, i, radius))
-    for i in np.flatnonzero(begin > end + 1e-6).tolist():
-        found.append(_too_large(contour, s, i, radius))
-    if found:
-        return contour, found
-    rows = []
-    x0, y0 = seg.points_at(s, begin)
-    x1, y1 = seg.points_at(s, end)
-    v = contour.vertices
-    for i in range(n):
-        source = int(v["source"][i])
-        start = (s.x0[i], s.y0[i]) if begin[i] == 0.0 else (x0[i], y0[i])
-        if end[i] - begin[i] > 1e-6:
-            rows.append((*start, s.cx[i], s.cy[i], int(s.turn[i]), source))
-        if i in arcs:
-            cx, cy, turn = arcs[i]
-            rows.append((x1[i], y1[i], cx, cy, turn, source))
+    end[i[fits]], begin[k[fits]] = at_i[fits], at_k[fits]
+    wrong = [*i[~fits].tolist(), *np.flatnonzero(begin > end + 1e-6).tolist()]
+    if wrong:
+        return contour, [_too_large(contour, s, m, radius, (ox, oy)) for m in wrong]
+    # Each segment from where the arc before leaves it, then the arc after it; what was not touched
+    # stays to the digit.
+    rows = np.zeros((n, 2), VERTEX)
+    rows[:, 0] = a
+    rows["source"][:, 1] = a["source"]
+    rows["x"][k, 0], rows["y"][k, 0] = arcs.x1 + ox, arcs.y1 + oy
+    rows["x"][i, 1], rows["y"][i, 1] = arcs.x0 + ox, arcs.y0 + oy
+    rows["cx"][i, 1], rows["cy"][i, 1] = arcs.cx + ox, arcs.cy + oy
+    rows["turn"][i, 1] = side
+    made = rows[np.stack([end - begin > 1e-6, sharp], axis=1)]
     if not contour.closed:
-        rows.append((s.x1[-1], s.y1[-1], 0.0, 0.0, 0, -1))
-    return Contour(np.array(rows, VERTEX), contour.closed, contour.sources), []
+        made = np.concatenate([made, v[-1:]])
+    return Contour(made, contour.closed, contour.sources), []
 
 
-def _centre(
-    s: Segments, i: int, k: int, shift: float, ar: Arithmetic
-) -> tuple[float, float] | None:
-    """Return the centre of the arc tangent to segments i and k, on the inner side of the corner.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Arcs:
+    """Arcs of the corners: start, end, centre, and whether it touches both neighbours."""
 
-    It lies where the two, shifted by the radius, cross; of two crossings the one nearest to the
-    corner counts.
+    x0: Floats
+    y0: Floats
+    x1: Floats
+    y1: Floats
+    cx: Floats
+    cy: Floats
+    good: NDArray[np.bool_]
+
+
+def _arcs(s: Segments, i: Ints, k: Ints, shift: Floats, ar: Arithmetic) -> _Arcs:
+    """Return the arcs tangent to segments i and k, on the inner side of their corner.
+
+    The centre lies where the two, shifted by the radius, cross; of two crossings the one nearest to
+    the corner counts.
     """
-    vx, vy = float(s.x1[i]), float(s.y1[i])
-
-    def column(value: float) -> object:
-        return ar.array(np.array([value]))
-
-    def line(m: int) -> tuple[object, ...]:
-        ux, uy = float(s.ux[m]), float(s.uy[m])
-        px, py = float(s.x0[m]) - vx - shift * uy, float(s.y0[m]) - vy + shift * ux
-        return (column(px), column(py)), (column(ux), column(uy))
-
-    def circle(m: int) -> tuple[tuple[object, object], float]:
-        centre = (column(float(s.cx[m]) - vx), column(float(s.cy[m]) - vy))
-        return centre, float(s.radius[m] - shift * s.turn[m])
-
-    arc_i, arc_k = s.turn[i] != 0, s.turn[k] != 0
-    points = []
-    if not arc_i and not arc_k:
-        p, u = line(i)
-        q, w = line(k)
-        points.append(formulas.line_line(ar, p, u, q, w))  # type: ignore[arg-type]
-    elif arc_i != arc_k:
-        p, u = line(k if arc_i else i)
-        c, r = circle(i if arc_i else k)
-        if r <= 0:
-            return None
-        for root in (1.0, -1.0):
-            points.append(
-                formulas.line_circle(ar, p, u, c, column(r), column(root))  # type: ignore[arg-type]
-            )
-    else:
-        c, r = circle(i)
-        d, t = circle(k)
-        if r <= 0 or t <= 0:
-            return None
-        for root in (1.0, -1.0):
-            points.append(formulas.circle_circle(ar, c, column(r), d, column(t), column(root)))
-    found = [(float(ar.to_float(x)[0]), float(ar.to_float(y)[0])) for x, y in points]
-    x, y = min(found, key=lambda p: (p[0] ** 2 + p[1] ** 2, p))
-    x, y = x + vx, y + vy
+    x0, y0, x1, y1, cx, cy = np.zeros((6, len(i)))
+    out = _Arcs(x0, y0, x1, y1, cx, cy, np.zeros(len(i), bool))
+    before, after = s.take(i), s.take(k)
+    one, two = Shifted(ar, before, shift), Shifted(ar, after, shift)
+    left = [(m.turn == 0) | (m.radius > shift * m.turn) for m in (before, after)]
+    for first, second in ((False, False), (False, True), (True, False), (True, True)):
+        m = np.flatnonzero(((before.turn != 0) == first) & ((after.turn != 0) == second))
+        m = m[left[0][m] & left[1][m]]
+        if not len(m):
+            continue
+        near, far = formulas.meeting(
+            ar, one.curves(m, first, False, "1"), two.curves(m, second, False, "0")
+        )
+        away = [
+            np.hypot(ar.to_float(x) - before.x1[m], ar.to_float(y) - before.y1[m])
+            for x, y in (near, far)
+        ]
+        nearer = away[0] <= away[1]
+        centre = ar.where(nearer, near[0], far[0]), ar.where(nearer, near[1], far[1])
+        for (x, y), at in (
+            ((out.cx, out.cy), centre),
+            ((out.x0, out.y0), one.feet(m, first, centre)),
+            ((out.x1, out.y1), two.feet(m, second, centre)),
+        ):
+            x[m], y[m] = ar.to_float(at[0]), ar.to_float(at[1])
     # The centre must really be at the radius from both (a miss gives the nearest point instead).
-    for m in (i, k):
-        if s.turn[m] != 0:
-            off = abs(np.hypot(x - s.cx[m], y - s.cy[m]) - (s.radius[m] - shift * s.turn[m]))
-        else:
-            across = (y - s.y0[m]) * s.ux[m] - (x - s.x0[m]) * s.uy[m]
-            off = abs(across - shift)
-        if not off < 1e-3:
-            return None
-    return x, y
+    out.good[:] = left[0] & left[1]
+    for drawn in (before, after):
+        out.good[:] &= _off(drawn, shift, out.cx, out.cy) < MISS_UM
+    return out
 
 
-def _foot(s: Segments, m: int, centre: tuple[float, float]) -> float:
-    one = s.take(np.array([m]))
-    return float(seg.position_of(one, np.array([centre[0]]), np.array([centre[1]]))[0])
+def _off(s: Segments, shift: Floats, x: Floats, y: Floats) -> Floats:
+    """Return how far points are from segments that were shifted and prolonged."""
+    to_arc = np.hypot(x - s.cx, y - s.cy) - (s.radius - shift * s.turn)
+    to_line = (y - s.y0) * s.ux - (x - s.x0) * s.uy - shift
+    return np.abs(np.where(s.turn != 0, to_arc, to_line))
 
 
-def _too_large(contour: Contour, s: Segments, i: int, radius: float) -> Diagnostic:
-    x, y = float(s.x1[i]) / 1000, float(s.y1[i]) / 1000
+def _too_large(
+    contour: Contour, s: Segments, i: int, radius: float, origin: tuple[float, float]
+) -> Diagnostic:
+    x, y = ((float(v[i]) + o) / 1000 for v, o in zip((s.x1, s.y1), origin, strict=True))
     return error(
         "corner-too-large",
         f"the corner at ({x:.3f}, {y:.3f}) mm cannot be rounded with {radius / 1000:.3f} mm: its "

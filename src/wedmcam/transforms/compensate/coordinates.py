@@ -2,67 +2,47 @@
 
 What meets what was decided in float64 (``resolve``); here each vertex is computed once, from the
 drawn figures, by the formula of its kind: the shifted end of a segment, the middle of two that
-nearly meet, or the crossing of two shifted segments.
+nearly meet, or the crossing of two shifted segments. All are measured from an end of the segment
+and never from its centre, which may lie far away.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-from wedmcam.arithmetic import Arithmetic
+from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.geom import formulas
-from wedmcam.geom.segments import Floats, Ints
+from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.transforms.compensate.raw import SNAP_UM, Raw, Source
 from wedmcam.transforms.compensate.resolve import Loops
+from wedmcam.transforms.shifted import Shifted
 
-Pair = tuple[Any, Any]
+#: A crossing this far from the float64 one is not told from its neighbours by the arithmetic
+#: (curves that all but touch): the float64 one stands, um.
+UNSURE_UM = 1.0
 
 
-class _Shifted:
-    """The drawn segments and their shifts in an arithmetic; asked for rows, gives points."""
+def rounded(ar: Arithmetic, values: Floats) -> Floats:
+    """Return values as the arithmetic holds them."""
+    return values if ar is FLOAT64 else ar.to_float(ar.array(values))
 
-    def __init__(self, ar: Arithmetic, source: Source) -> None:
-        self.ar = ar
-        self.source = source
 
-    def columns(self, rows: Ints, *names: str) -> list[Any]:
-        return [self.ar.array(getattr(self.source.segments, name)[rows]) for name in names]
+def joints(
+    ar: Arithmetic, segments: Segments, shift: Floats, following: Ints
+) -> tuple[Floats, Floats]:
+    """Return where each shifted segment starts: the middle of its start and the end before it.
 
-    def shift(self, rows: Ints) -> Any:
-        return self.ar.array(self.source.shift[rows])
-
-    def direction(self, rows: Ints) -> Pair:
-        """Unit direction of drawn lines."""
-        x0, y0, x1, y1 = self.columns(rows, "x0", "y0", "x1", "y1")
-        return formulas.unit(self.ar, x1 - x0, y1 - y0)
-
-    def radius(self, rows: Ints) -> Any:
-        """Radius of shifted arcs."""
-        r = self.ar.array(self.source.segments.radius[rows])
-        turn = self.ar.array(self.source.segments.turn[rows].astype(float))
-        return r - self.shift(rows) * turn
-
-    def end(self, rows: Ints, which: str) -> tuple[Floats, Floats]:
-        """Shifted start ("0") or end ("1") of drawn segments."""
-        ar, s = self.ar, self.source.segments
-        x, y = np.empty(len(rows)), np.empty(len(rows))
-        for arc in (False, True):
-            k = np.flatnonzero((s.turn[rows] != 0) == arc)
-            if not len(k):
-                continue
-            of = rows[k]
-            vx, vy = self.columns(of, "x" + which, "y" + which)
-            if arc:
-                cx, cy = self.columns(of, "cx", "cy")
-                px, py = formulas.on_circle(ar, (cx, cy), (vx, vy), self.radius(of))
-            else:
-                ux, uy = self.direction(of)
-                px, py = formulas.shifted(ar, (vx, vy), (-uy, ux), self.shift(of))
-            x[k], y[k] = ar.to_float(px), ar.to_float(py)
-        return x, y
+    Args:
+        ar: the arithmetic.
+        segments: of closed contours.
+        shift: to the left of each segment, um.
+        following: the segment after each.
+    """
+    s = Shifted(ar, segments, shift)
+    (ax, ay), (bx, by) = s.ends(np.arange(len(shift)), "01")
+    x, y = np.empty(len(shift)), np.empty(len(shift))
+    x[following], y[following] = bx, by
+    return 0.5 * (x + ax), 0.5 * (y + ay)
 
 
 def node_points(
@@ -70,7 +50,7 @@ def node_points(
 ) -> tuple[Floats, Floats]:
     """Return (x, y) of ``nodes`` (sorted, unique), um relative to the origin of ``source``."""
     n = len(raw.elements)
-    s = _Shifted(ar, source)
+    s = Shifted(ar, source.segments, source.shift)
     x, y = found.node_x[nodes].copy(), found.node_y[nodes].copy()
     i, j = found.node_i[nodes].copy(), found.node_j[nodes].copy()
 
@@ -104,66 +84,45 @@ def node_points(
     return x, y
 
 
-def _ends(s: _Shifted, rows: Ints, which: str) -> tuple[Floats, Floats]:
+def _ends(s: Shifted, rows: Ints, which: str) -> tuple[Floats, Floats]:
     x, y = np.zeros(len(rows)), np.zeros(len(rows))
     k = np.flatnonzero(rows >= 0)
     if len(k):
-        x[k], y[k] = s.end(rows[k], which)
+        ((x[k], y[k]),) = s.ends(rows[k], which)
     return x, y
 
 
 def _cross(
-    s: _Shifted, raw: Raw, i: Ints, j: Ints, near_x: Floats, near_y: Floats
+    s: Shifted, raw: Raw, i: Ints, j: Ints, near_x: Floats, near_y: Floats
 ) -> tuple[Floats, Floats]:
     """Return the crossings of elements i and j that lie near (near_x, near_y)."""
-    ar = s.ar
-    arc_i, arc_j = raw.elements.turn[i] != 0, raw.elements.turn[j] != 0
-    swap = arc_i & ~arc_j  # the line first
-    i, j = np.where(swap, j, i), np.where(swap, i, j)
-    arc_i, arc_j = arc_i & ~swap, arc_j | swap
+    kind_i, kind_j = _kinds(s, raw, i, near_x, near_y), _kinds(s, raw, j, near_x, near_y)
     x, y = near_x.copy(), near_y.copy()
-    for first, second in ((False, False), (False, True), (True, True)):
-        k = np.flatnonzero((arc_i == first) & (arc_j == second))
-        if not len(k):
-            continue
-        a, b = i[k], j[k]
-        if not first:
-            p, u = _line(s, raw, a)
-            if not second:
-                q, v = _line(s, raw, b)
-                px, py = formulas.line_line(ar, p, u, q, v)
-            else:
-                c, r = _circle(s, raw, b)
-                along = (near_x[k] - raw.elements.cx[b]) * raw.elements.ux[a]
-                along += (near_y[k] - raw.elements.cy[b]) * raw.elements.uy[a]
-                root = ar.array(np.where(along >= 0, 1.0, -1.0))
-                px, py = formulas.line_circle(ar, p, u, c, r, root)
-        else:
-            c, r = _circle(s, raw, a)
-            d, t = _circle(s, raw, b)
-            e = raw.elements
-            left = (e.cx[b] - e.cx[a]) * (near_y[k] - e.cy[a])
-            left -= (e.cy[b] - e.cy[a]) * (near_x[k] - e.cx[a])
-            root = ar.array(np.where(left >= 0, 1.0, -1.0))
-            px, py = formulas.circle_circle(ar, c, r, d, t, root)
-        x[k], y[k] = ar.to_float(px), ar.to_float(py)
+    kinds = kind_i * _KINDS + kind_j
+    for kind in np.unique(kinds).tolist():
+        k = np.flatnonzero(kinds == kind)
+        one = s.curves(raw.source[i[k]], *_SEEN[kind // _KINDS])
+        two = s.curves(raw.source[j[k]], *_SEEN[kind % _KINDS])
+        nx, ny = near_x[k], near_y[k]
+        best = np.full(len(k), UNSURE_UM)
+        for px, py in formulas.meeting(s.ar, one, two):
+            fx, fy = s.ar.to_float(px), s.ar.to_float(py)
+            off = np.hypot(fx - nx, fy - ny)
+            nearer = off < best
+            best[nearer] = off[nearer]
+            nx[nearer], ny[nearer] = fx[nearer], fy[nearer]
+        x[k], y[k] = nx, ny
     return x, y
 
 
-def _line(s: _Shifted, raw: Raw, e: Ints) -> tuple[Pair, Pair]:
-    """A point and the unit direction of shifted lines."""
-    rows = raw.source[e]
-    u = s.direction(rows)
-    x0, y0 = s.columns(rows, "x0", "y0")
-    return formulas.shifted(s.ar, (x0, y0), (-u[1], u[0]), s.shift(rows)), u
+#: How a curve is seen: (an arc was drawn, a transition arc after the segment, from which end).
+_SEEN = [(arc, corner, end) for arc in (False, True) for corner in (False, True) for end in "01"]
+_KINDS = len(_SEEN)
 
 
-def _circle(s: _Shifted, raw: Raw, e: Ints) -> tuple[Pair, Any]:
-    """Centre and radius of shifted or transition arcs."""
-    ar, rows = s.ar, raw.source[e]
-    transition: NDArray[np.bool_] = raw.transition[e]
-    src = s.source.segments
-    cx = ar.array(np.where(transition, src.x1[rows], src.cx[rows]))
-    cy = ar.array(np.where(transition, src.y1[rows], src.cy[rows]))
-    r = ar.where(transition, ar.array(np.abs(s.source.shift[rows])), s.radius(rows))
-    return (cx, cy), r
+def _kinds(s: Shifted, raw: Raw, e: Ints, x: Floats, y: Floats) -> Ints:
+    """Return the row of `_SEEN` for elements, seen from the end that is nearer to (x, y)."""
+    rows, corner, d = raw.source[e], raw.transition[e], s.segments
+    to_end = np.hypot(x - d.x1[rows], y - d.y1[rows])
+    from_end = corner | (to_end < np.hypot(x - d.x0[rows], y - d.y0[rows]))
+    return np.asarray(4 * (d.turn[rows] != 0) + 2 * corner + from_end, np.int64)

@@ -9,16 +9,21 @@ which give the same path in such a case too.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.geom import crossings, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints
 from wedmcam.ir.contour import VERTEX, Contour
+from wedmcam.transforms.compensate.coordinates import joints, rounded
 from wedmcam.transforms.compensate.raw import SAME_UM, SPECK_UM
 from wedmcam.transforms.compensate.resolve import SLIVER_UM
+
+Column = TypeVar("Column", Floats, Ints)
 
 #: Below this offset a corner's gap is too small to be told from a tangent joint; um.
 LEAST_UM = 5.0
@@ -28,8 +33,13 @@ RADIUS_UM = 0.1
 LEAST_SEGMENTS = 8
 
 
-def regular_paths(outlines: Sequence[Contour], shifts: Sequence[float]) -> list[Contour] | None:
-    """Return one path for each outline, or None where that is not the whole story."""
+def regular_paths(
+    outlines: Sequence[Contour], shifts: Sequence[float], ar: Arithmetic = FLOAT64
+) -> list[Contour] | None:
+    """Return one path for each outline, or None where that is not the whole story.
+
+    Whether it is, is decided in float64; the vertices are computed in ``ar``.
+    """
     count = np.array([len(c.vertices) for c in outlines])
     if count.sum() < LEAST_SEGMENTS or count.min() < 3:
         return None
@@ -43,7 +53,7 @@ def regular_paths(outlines: Sequence[Contour], shifts: Sequence[float]) -> list[
     shift: float | Floats = shifts[0] if len(outlines) == 1 else np.repeat(shifts, count)
     last = np.cumsum(count) - 1
     first = last - count + 1
-    ox, oy = float(np.round(v["x"][0])), float(np.round(v["y"][0]))
+    ox, oy = (float(np.round(0.5 * (v[k].min() + v[k].max()))) for k in ("x", "y"))
     x0, y0 = v["x"] - ox, v["y"] - oy
     x1, y1 = _next(x0, first, last), _next(y0, first, last)
     turn = v["turn"]
@@ -98,8 +108,13 @@ def regular_paths(outlines: Sequence[Contour], shifts: Sequence[float]) -> list[
     ):
         return None
     rows = np.empty(len(v), VERTEX)
+    if ar is not FLOAT64:  # float64 is what they were computed in
+        drawn = seg.make(x0, y0, x1, y1, cx, cy, turn)
+        following = _next(np.arange(len(v)), first, last)
+        ax, ay = joints(ar, drawn, np.broadcast_to(shift, len(v)), following)
+        cx, cy = rounded(ar, cx), rounded(ar, cy)
     rows["x"], rows["y"] = ax + ox, ay + oy
-    rows["cx"], rows["cy"] = v["cx"], v["cy"]
+    rows["cx"], rows["cy"] = np.where(is_arc, cx + ox, v["cx"]), np.where(is_arc, cy + oy, v["cy"])
     rows["turn"], rows["source"] = turn, v["source"]
     return [
         Contour(rows[a : b + 1], True, c.sources)
@@ -107,7 +122,7 @@ def regular_paths(outlines: Sequence[Contour], shifts: Sequence[float]) -> list[
     ]
 
 
-def _next(values: Floats, first: Ints, last: Ints) -> Floats:
+def _next(values: Column, first: Ints, last: Ints) -> Column:
     """Return for each segment the value of the next one of its contour."""
     result = np.empty_like(values)
     result[:-1] = values[1:]

@@ -1,0 +1,87 @@
+"""Drawn segments shifted sideways, computed in an `Arithmetic`: ends, normals, curves.
+
+Compensation shifts by the offset, rounding a corner by the radius of its arc. All is measured from
+an end of the segment and never from its centre: of a centre 10 m away 8 digits keep 1 um.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wedmcam.arithmetic import Arithmetic
+from wedmcam.geom import formulas
+from wedmcam.geom.segments import Floats, Ints, Segments
+
+Pair = tuple[Any, Any]
+
+
+class Shifted:
+    """The drawn segments and their shifts in an arithmetic; asked for rows, gives points."""
+
+    def __init__(self, ar: Arithmetic, segments: Segments, shift: Floats) -> None:
+        self.ar = ar
+        self.segments = segments
+        self.shift = shift
+
+    def columns(self, rows: Ints, *names: str) -> list[Any]:
+        """Return columns of drawn segments in the arithmetic."""
+        return [self.ar.array(getattr(self.segments, name)[rows]) for name in names]
+
+    def normals(self, rows: Ints, arc: bool, ends: str) -> list[tuple[Pair, Pair]]:
+        """Return (end, left normal there) for each of ``ends``, of segments all arcs or lines."""
+        ar = self.ar
+        places = [tuple(self.columns(rows, "x" + which, "y" + which)) for which in ends]
+        if not arc:
+            x0, y0, x1, y1 = self.columns(rows, "x0", "y0", "x1", "y1")
+            ux, uy = formulas.unit(ar, x1 - x0, y1 - y0)
+            return [((x, y), (-uy, ux)) for x, y in places]
+        cx, cy = self.columns(rows, "cx", "cy")
+        turn = ar.array(self.segments.turn[rows].astype(float))
+        found = []
+        for x, y in places:
+            nx, ny = formulas.unit(ar, cx - x, cy - y)
+            found.append(((x, y), (nx * turn, ny * turn)))
+        return found
+
+    def ends(self, rows: Ints, which: str) -> list[tuple[Floats, Floats]]:
+        """Return the shifted starts ("0"), ends ("1") or both ("01") of drawn segments."""
+        out = [(np.empty(len(rows)), np.empty(len(rows))) for _ in which]
+        is_arc = self.segments.turn[rows] != 0
+        for arc in (False, True):
+            k = np.flatnonzero(is_arc == arc)
+            if not len(k):
+                continue
+            by = self.ar.array(self.shift[rows[k]])
+            for (x, y), (p, n) in zip(out, self.normals(rows[k], arc, which), strict=True):
+                px, py = formulas.shifted(self.ar, p, n, by)
+                x[k], y[k] = self.ar.to_float(px), self.ar.to_float(py)
+        return out
+
+    def curves(self, rows: Ints, arc: bool, corner: bool, which: str) -> formulas.Curve:
+        """Return shifted segments, or the transition arcs after them, as seen from one end."""
+        ar = self.ar
+        ((p, n),) = self.normals(rows, arc, which)
+        by = ar.array(self.shift[rows])
+        if corner:
+            curvature = -1 / by
+        elif arc:
+            (radius,) = self.columns(rows, "radius")
+            turn = ar.array(self.segments.turn[rows].astype(float))
+            curvature = turn / (radius - by * turn)
+        else:
+            curvature = by - by
+        return formulas.Curve(formulas.shifted(ar, p, n, by), n, curvature)
+
+    def feet(self, rows: Ints, arc: bool, shifted: Pair) -> Pair:
+        """Return the points of drawn segments that lie beside points of the shifted ones."""
+        ar = self.ar
+        if arc:
+            cx, cy = self.columns(rows, "cx", "cy")
+            turn = ar.array(self.segments.turn[rows].astype(float))
+            nx, ny = formulas.unit(ar, cx - shifted[0], cy - shifted[1])
+            n = nx * turn, ny * turn
+        else:
+            ((_, n),) = self.normals(rows, arc, "0")
+        return formulas.shifted(ar, shifted, n, -ar.array(self.shift[rows]))

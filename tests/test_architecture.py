@@ -8,7 +8,16 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "wedmcam"
-SHELL = {"__init__", "__main__", "cli", "api", "pipeline", "inspection", "metamorphic"}
+SHELL = {
+    "__init__",
+    "__main__",
+    "cli",
+    "api",
+    "pipeline",
+    "inspection",
+    "metamorphic",
+    "comparison",
+}
 
 
 def _table() -> dict[str, tuple[set[str], set[str]]]:

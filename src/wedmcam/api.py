@@ -38,6 +38,7 @@ class Compilation:
         machine: the profile.
         verdict: the judge's figures.
         summary: the fields of the certificate, also when it failed.
+        options: as asked for.
         findings: everything that was found, in order.
         stage: where it stopped; empty when ``ok``.
     """
@@ -50,6 +51,7 @@ class Compilation:
     machine: Machine
     verdict: Verdict | None
     summary: dict[str, Any]
+    options: Options
     findings: tuple[Diagnostic, ...]
     stage: str = ""
 
@@ -122,9 +124,33 @@ def compile(
         machine,
         verdict,
         summary,
+        options,
         tuple(run.found),
         stage,
     )
+
+
+def arithmetic_difference(made: Compilation, source: Source) -> float | None:
+    """Return by how much the wire path would differ in the other arithmetic, um.
+
+    Args:
+        made: a compile; `compile` tells in ``summary["arithmetic"]`` in what it was computed.
+        source: what was compiled, a path or bytes.
+
+    Returns:
+        The largest distance between the exact paths; None where one of them does not exist.
+
+    >>> made = compile(path := "samples/cover.dxf", offset=0.1)  # doctest: +SKIP
+    >>> arithmetic_difference(made, path)  # doctest: +SKIP
+    0.0027
+    """
+    from wedmcam.comparison import difference_um
+
+    if made.drawn is None or made.plan is None:
+        return None
+    data, name = _bytes(source, made.summary["input"])
+    apart = difference_um(data, name, made.drawn, made.plan, made.options)
+    return None if apart is None else round(apart, 4)
 
 
 def options_in_mm(**mm: Any) -> Options:
@@ -210,6 +236,7 @@ def _summary(
             "side": str(options.effective_side),
             "diagnostics": [finding_data(d) for d in found],
             "ok": False,
+            "arithmetic": options.arithmetic,
             "sha256": {"input": fingerprint(data)},
         }
     from wedmcam.judge.certificate import certificate
@@ -230,6 +257,7 @@ def _summary(
         options=options.as_data(),
         version=__version__,
     )
+    result["arithmetic"] = options.arithmetic
     if out is None or not output_name:
         result["output"] = None
     result["ok"] = out is not None
@@ -516,7 +544,7 @@ def _proof_summary(
     summary |= {"input": drawing_name or None, "output": name, "side": None, "offset_um": None}
     summary |= told
     if not drawing:
-        del summary["sha256"]
+        del summary["sha256"], summary["arithmetic"]  # nothing was computed
         summary["ok"] = not has_errors(run.found)
     return summary
 

@@ -115,7 +115,9 @@ def test_certificate_and_verify(folder):
     done = wedmcam(*line.split(), cwd=folder)
     assert done.returncode == 0, done.stderr.decode()
     issued = json.loads((folder / "a.json").read_text("utf-8"))
-    assert json.loads(done.stdout) == issued
+    told = json.loads(done.stdout)
+    assert told.pop("arithmetic_difference_um") < 0.01
+    assert told == issued
     assert issued["ok"] is True
     assert issued["contours"] == 2
     assert issued["closure_um"] == 0
@@ -233,3 +235,16 @@ def test_samples_compile_from_the_command_line(sample, tmp_path):
     assert done.returncode == 0, done.stderr.decode()
     done = wedmcam("verify", out, "--against", SAMPLES / sample, *options)
     assert done.returncode == 0, done.stderr.decode()
+
+
+def test_json_says_by_how_much_the_arithmetics_differ(tmp_path):
+    source, out = SAMPLES / "cover.dxf", tmp_path / "a.3b"
+    done = wedmcam("compile", source, "-o", out, "--offset", "0.1", "--json")
+    assert done.returncode == 0
+    told = json.loads(done.stdout)
+    assert told["arithmetic"] == "decimal8"
+    assert 0 < told["arithmetic_difference_um"] < 0.01
+    done = wedmcam("compile", source, "-o", out, "--offset", "0.1", "--arithmetic", "float64")
+    assert b"wire paths up to 0.00" in done.stderr
+    done = wedmcam("compile", source, "-o", out, "--arithmetic", "float32")
+    assert done.returncode == 2

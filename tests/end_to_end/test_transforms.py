@@ -1,12 +1,15 @@
 """--transform: a slot becomes a proven stator; thread points follow, --start does not."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 import wedmcam
 from drawings import drawing
 from wedmcam.options import Options
+
+SAMPLES = Path(__file__).parents[2] / "samples"
 
 
 def polar(r, degrees):
@@ -84,3 +87,32 @@ def test_a_misspelt_transform_is_an_error_with_its_column():
     made = compiled(key, "mirror 45", "rotat 10", offset_um=100.0)
     assert made.status == 1
     assert str(made.findings[-1].span) == "--transform 2:1:1"
+
+
+@pytest.mark.parametrize("name", ["cover", "gear-24", "plate"])
+def test_by_how_much_the_arithmetics_differ(name):
+    """8 digits are 0.001 um at the size of the samples; some digits are lost on the way."""
+    source = SAMPLES / f"{name}.dxf"
+    ten = wedmcam.compile(source, offset=0.1, transforms=("rotate 17",))
+    floats = wedmcam.compile(source, offset=0.1, transforms=("rotate 17",), arithmetic="float64")
+    assert (ten.summary["arithmetic"], floats.summary["arithmetic"]) == ("decimal8", "float64")
+    apart = wedmcam.arithmetic_difference(ten, source)
+    assert 0 < apart < 0.01
+    assert wedmcam.arithmetic_difference(floats, source) == apart
+    # And it is what the two plans show.
+    for a, b in zip(ten.plan.cuts, floats.plan.cuts, strict=True):
+        for k in ("x", "y"):
+            assert abs(a.path.vertices[k] - b.path.vertices[k]).max() <= apart + 5e-5
+
+
+def test_paths_of_other_segments_are_compared_by_distance():
+    from wedmcam.comparison import _apart
+    from wedmcam.ir.contour import Contour, vertices
+
+    def box(*corners):
+        return Contour(vertices([(x, y, 0, 0, 0, -1) for x, y in corners]), True)
+
+    plain = box((0, 0), (9_000, 0), (9_000, 5_000), (0, 5_000))
+    more = box((0, 0), (4_000, 0.5), (9_000, 0), (9_000, 5_000), (0, 5_000))
+    assert _apart([plain], [more]) == pytest.approx(0.5)
+    assert _apart([plain], [plain]) == 0

@@ -63,7 +63,7 @@ def compile_command(
         raise click.UsageError("--json and the program cannot both be standard output")
     if plot_ is not None:
         _check_picture(plot_)
-    made = _compiled(input_, machine, output, asked)
+    made, apart = _compiled(input_, machine, output, asked)
     if not made.ok:
         if Path(output).exists() and output != "-":
             click.echo(f"nothing was written; {output} is as it was", err=True)
@@ -83,9 +83,10 @@ def compile_command(
     write_outputs(files)
     if not asked["quiet"]:
         say.say_report(made, output)
+        say.say_arithmetic(apart)
         say.say_time(made.summary, feed)
     if asked["json_"]:
-        say.say_json(say.with_time(made.summary, feed))
+        say.say_json({**say.with_time(made.summary, feed), **apart})
     return 0
 
 
@@ -99,16 +100,19 @@ def check_command(input_: str, to: str | None, **asked: Any) -> int:
     from wedmcam.cli import say
 
     machine = ask.machine_of(asked["profile"], to)
-    made = _compiled(input_, machine, "", asked)
+    made, apart = _compiled(input_, machine, "", asked)
     if made.ok and not asked["quiet"]:
         say.say_report(made, "(not written)")
+        say.say_arithmetic(apart)
     if asked["json_"]:
-        say.say_json(made.summary)
+        say.say_json({**made.summary, **apart})
     return int(made.status)
 
 
-def _compiled(input_: str, machine: Any, output: str, asked: dict[str, Any]) -> Any:
-    """Compile and print the findings."""
+def _compiled(
+    input_: str, machine: Any, output: str, asked: dict[str, Any]
+) -> tuple[Any, dict[str, Any]]:
+    """Compile and print the findings; with what --json adds of the other arithmetic."""
     from wedmcam import api
     from wedmcam.cli import say
 
@@ -121,7 +125,10 @@ def _compiled(input_: str, machine: Any, output: str, asked: dict[str, Any]) -> 
     say.say_findings(made.findings, _name(input_), asked["quiet"])
     if not made.ok and asked["json_"] and output:
         say.say_json(made.summary)
-    return made
+    apart = {}
+    if made.ok and (asked["json_"] or options.arithmetic == "float64"):
+        apart["arithmetic_difference_um"] = api.arithmetic_difference(made, data)
+    return made, apart
 
 
 def _name(path: str) -> str:

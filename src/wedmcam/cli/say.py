@@ -120,6 +120,15 @@ def say_report(made: Compilation, output: str) -> None:
         click.echo(line, err=True)
 
 
+def say_arithmetic(apart: dict[str, Any]) -> None:
+    """Print by how much the arithmetics differ, where it was measured."""
+    if "arithmetic_difference_um" not in apart:
+        return
+    um = apart["arithmetic_difference_um"]
+    told = "one of them refuses this part" if um is None else f"up to {um:.4f} um apart"
+    click.echo(f"arithmetic decimal8 and float64: wire paths {told}", err=True)
+
+
 def _size(drawn: Any) -> str:
     from wedmcam.geom import measure
 

@@ -54,6 +54,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/bench_controller.py
 	$(BIN)/python benchmarks/bench_compensate.py
 	$(BIN)/python benchmarks/bench_decimal8.py
+	$(BIN)/python benchmarks/bench_arithmetic.py
 
 golden: $(READY)
 	$(BIN)/python -m pytest -q tests/golden --update-golden

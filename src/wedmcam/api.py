@@ -258,6 +258,11 @@ def _summary(
         version=__version__,
     )
     result["arithmetic"] = options.arithmetic
+    if machine.name not in machines.names() or machine != machines.builtin(machine.name):
+        from wedmcam.machines.printed import as_toml
+
+        # The file may be gone or changed when the program is proven again.
+        result["profile_toml"] = as_toml(machine)
     if out is None or not output_name:
         result["output"] = None
     result["ok"] = out is not None

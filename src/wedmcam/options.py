@@ -84,7 +84,7 @@ class Options:
             )
         offset = self.offset_um or 0.0
         if offset < 0:
-            raise WrongUse("the offset must not be negative: --side says on which side it is")
+            raise WrongUse("--offset must not be negative: --side says on which side it is")
         if self.side in (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT) and not offset:
             raise WrongUse(f"--side {self.side} needs an offset (--offset, or --wire and --gap)")
         if self.side is Side.ON and offset:

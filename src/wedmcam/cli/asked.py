@@ -93,7 +93,7 @@ path_options = _stack(
     click.option("--stop", "stop_um", type=LENGTH, help="Pause so far before the end."),
     click.option("--overcut", "overcut_um", type=LENGTH, help="Cut so far past the start."),
     click.option("--order", type=click.Choice(["given", "inner-first", "nearest"])),
-    click.option("--reverse", is_flag=True, help="Clockwise instead of counter-clockwise."),
+    click.option("--reverse/--no-reverse", help="Clockwise instead of counter-clockwise."),
     click.option("--count", type=click.Choice(["exact", "textbook"]), help="How J is found."),
 )
 
@@ -108,7 +108,7 @@ feed_option = click.option(
 )
 
 said_options = _stack(
-    click.option("--strict", is_flag=True, help="Warnings are errors."),
+    click.option("--strict/--no-strict", help="Warnings are errors."),
     click.option("--json", "json_", is_flag=True, help="Summary on standard output."),
     click.option("-q", "--quiet", is_flag=True, help="Say only what is wrong."),
     click.option("-v", "--verbose", is_flag=True, help="Say more."),
@@ -138,6 +138,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         raise WrongUse("--wire and --gap go together: offset = wire / 2 + gap")
     return Options(
         units=asked["units"],
+        fill_in_units=asked.get("fill_in_units", False),
         layers=asked["layers"],
         ignore_layers=asked["ignore_layers"],
         join_um=asked["join_um"],
@@ -198,6 +199,24 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
     if machine is None:
         raise WrongUse(f"{profile}: this profile cannot be used")
     return api.machine_for(to, machine)
+
+
+def machine_issued(certificate: dict[str, Any]) -> Machine:
+    """Return the machine that a certificate was issued for; it holds what is not built in.
+
+    Raises:
+        WrongUse: it names a profile that is not there.
+    """
+    from wedmcam import machines
+    from wedmcam.options import WrongUse
+
+    name, text = certificate["profile"], certificate.get("profile_toml")
+    if text is None:
+        return machine_of(name, None)
+    machine, found = machines.parse(str(text), str(name))
+    if machine is None:
+        raise WrongUse(f"the certificate's profile '{name}' cannot be used: {found[0].message}")
+    return machine
 
 
 def check_source(name: str, from_: str | None) -> None:

@@ -12,7 +12,7 @@ import json
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wedmcam.cli.files import Failed, write_outputs
+from wedmcam.options import SUFFIX_OF_FORMAT
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
@@ -33,11 +34,27 @@ PATIENCE = 1.0
 
 
 @dataclass(frozen=True, slots=True)
+class How:
+    """How the drawings of one folder are compiled: as its settings file says.
+
+    Attributes:
+        machine: the profile; None where ``wrong``.
+        options: everything else.
+        wrong: why nothing of this folder can be compiled (exit status 2).
+    """
+
+    machine: Machine | None = None
+    options: Options | None = None
+    wrong: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Item:
-    """One drawing and where its program goes."""
+    """One drawing, where its program goes, and how it is made."""
 
     source: str
     output: str
+    how: How
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +67,10 @@ class Outcome:
     record: dict[str, Any]
 
 
-def find(inputs: Sequence[str], folder: str, ending: str) -> list[Item]:
+def find(inputs: Sequence[str], folder: str, how: Callable[[str], How]) -> list[Item]:
     """Return the drawings that files, folders and patterns name, sorted, with their outputs.
+
+    ``how`` says how the drawing of a name is compiled.
 
     A folder is searched below itself and mirrored; a file or what a pattern matches lies directly
     in the output folder, below the part of the pattern that has no wildcard.
@@ -82,6 +101,8 @@ def find(inputs: Sequence[str], folder: str, ending: str) -> list[Item]:
     items = []
     taken: dict[str, str] = {}
     for source in sorted(found):
+        asked = how(source)
+        ending = SUFFIX_OF_FORMAT[asked.machine.format] if asked.machine else ".3b"
         output = str(Path(folder) / found[source].with_suffix(ending))
         if output in taken:
             raise click.UsageError(
@@ -90,7 +111,7 @@ def find(inputs: Sequence[str], folder: str, ending: str) -> list[Item]:
         taken[output] = source
         if Path(output).resolve() in {Path(s).resolve() for s in found}:
             raise click.UsageError(f"the output {output} would overwrite an input")
-        items.append(Item(source, output))
+        items.append(Item(source, output, asked))
     return items
 
 
@@ -98,11 +119,28 @@ def _hidden(path: Path, base: Path) -> bool:
     return any(part.startswith(".") for part in path.relative_to(base).parts)
 
 
-def make(item: Item, machine: Machine, options: Options, force_units: bool) -> Outcome:
+def how(asked: dict[str, Any]) -> How:
+    """Return how drawings are compiled from what was asked for.
+
+    Raises:
+        WrongUse: options that do not fit together.
+    """
+    from wedmcam.cli import asked as ask
+
+    return How(ask.machine_of(asked["profile"], asked["to"]), ask.options_of(asked))
+
+
+def make(item: Item, force_units: bool) -> Outcome:
     """Compile one drawing and write its program; never raises for what is in the drawing."""
     from wedmcam import api
     from wedmcam.diag.render import merged, render
 
+    if item.how.wrong:
+        text = f"{item.source}: {item.how.wrong}"
+        return Outcome(item, 2, text, _record(item, 2, error=text))
+    machine, options = item.how.machine, item.how.options
+    assert machine is not None
+    assert options is not None
     try:
         data = Path(item.source).read_bytes()
     except OSError as why:
@@ -140,13 +178,11 @@ def _record(
     return record
 
 
-def outcomes(
-    items: Sequence[Item], machine: Machine, options: Options, force_units: bool, jobs: int
-) -> Iterator[Outcome]:
+def outcomes(items: Sequence[Item], force_units: bool, jobs: int) -> Iterator[Outcome]:
     """Yield the outcomes in the order of the items, whatever the number of processes."""
     if jobs == 1 or len(items) < 2:
         for item in items:
-            yield make(item, machine, options, force_units)
+            yield make(item, force_units)
         return
     with ProcessPoolExecutor(max_workers=min(jobs, len(items))) as pool:
         waiting: dict[Future[Outcome], int] = {}
@@ -160,7 +196,7 @@ def outcomes(
                     if step is None:
                         break
                     number, item = step
-                    waiting[pool.submit(make, item, machine, options, force_units)] = number
+                    waiting[pool.submit(make, item, force_units)] = number
                 if following not in done:
                     finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
                     for future in finished:
@@ -185,8 +221,6 @@ def _result(future: Future[Outcome], item: Item) -> Outcome:
 
 def run(
     items: Sequence[Item],
-    machine: Machine,
-    options: Options,
     *,
     force_units: bool,
     jobs: int,
@@ -201,7 +235,7 @@ def run(
     codes: Counter[tuple[str, str]] = Counter()
     failed = []
     progress = _Progress(len(items))
-    for outcome in outcomes(items, machine, options, force_units, jobs or os.cpu_count() or 1):
+    for outcome in outcomes(items, force_units, jobs or os.cpu_count() or 1):
         progress.clear()
         counts[outcome.status] += 1
         for finding in outcome.record.get("diagnostics", ()):

@@ -11,14 +11,16 @@ import click
 
 from wedmcam import __version__
 from wedmcam.cli import asked as ask
+from wedmcam.cli.config import config_command
 from wedmcam.cli.files import Failed, Unreadable, check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import LENGTH, POINT
+from wedmcam.cli.settings import Configured
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 EPILOG = """Exit status: 0 done, 1 the input has errors, 2 wrong use, 3 verification failed,
 70 internal error, 130 interrupted. Lengths take a unit (0.1mm, 100um, 0.004in); bare numbers
-are mm."""
+are mm. Defaults of a shop stand in a wedmcam.toml (see wedmcam config)."""
 
 
 @click.group(context_settings=CONTEXT, epilog=EPILOG)
@@ -27,7 +29,7 @@ def cli() -> None:
     """Compile drawings to wire-EDM programs, and prove every program that is written."""
 
 
-@cli.command("compile")
+@cli.command("compile", cls=Configured)
 @click.argument("input_")
 @click.option("-o", "--output", required=True, help="Where the program goes; - for stdout.")
 @click.option(
@@ -90,7 +92,7 @@ def compile_command(
     return 0
 
 
-@cli.command("check")
+@cli.command("check", cls=Configured)
 @click.argument("input_")
 @click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
 @ask.compile_options
@@ -135,7 +137,7 @@ def _name(path: str) -> str:
     return "stdin" if path == "-" else path
 
 
-@cli.command("batch")
+@cli.command("batch", cls=Configured)
 @click.argument("inputs", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR", help="Folder of the programs.")
 @click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
@@ -154,20 +156,16 @@ def batch_command(
     """The same for many files, folders and patterns, into a mirrored tree.
 
     --json prints one line an item. One bad file never stops the others; the exit status is the
-    largest of the items'.
+    largest of the items'. Each drawing is made as the wedmcam.toml of its own folder says.
     """
     from wedmcam.cli import batch
-    from wedmcam.options import SUFFIX_OF_FORMAT
+    from wedmcam.cli.settings import by_folder
 
-    machine = ask.machine_of(asked["profile"], to)
-    options = ask.options_of(asked)
     if Path(output).exists() and not Path(output).is_dir():
         raise click.UsageError(f"{output} is a file: -o takes a folder")
-    items = batch.find(inputs, output, SUFFIX_OF_FORMAT[machine.format])
+    items = batch.find(inputs, output, by_folder(click.get_current_context(), batch.how))
     return batch.run(
         items,
-        machine,
-        options,
         force_units=force_units,
         jobs=jobs,
         json_=asked["json_"],
@@ -175,7 +173,7 @@ def batch_command(
     )
 
 
-@cli.command("verify")
+@cli.command("verify", cls=Configured)
 @click.argument("program")
 @click.option("--against", metavar="INPUT", help="The drawing that the program is to cut.")
 @click.option(
@@ -227,7 +225,7 @@ def verify_command(
     if asked["profile"] or format_:
         machine = ask.machine_of(asked["profile"], format_)
     elif issued is not None and issued.get("profile"):
-        machine = ask.machine_of(issued["profile"], None)
+        machine = ask.machine_issued(issued)
     outputs = [name for name in (plot_, None if issued else certificate) if name is not None]
     check_outputs([program, *([against] if against else [])], outputs)
     if plot_ is not None:
@@ -366,7 +364,7 @@ def diff_command(
     return 0 if found.equal else 1
 
 
-@cli.command("inspect")
+@cli.command("inspect", cls=Configured)
 @click.argument("input_")
 @ask.drawing_options
 @click.option("--side", type=ask.SIDES, help="For the largest offset: part (default) or die.")
@@ -383,6 +381,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
     side = Side.DIE if asked["side"] == "die" else None
     options = Options(
         units=asked["units"],
+        fill_in_units=asked.get("fill_in_units", False),
         layers=asked["layers"],
         ignore_layers=asked["ignore_layers"],
         join_um=asked["join_um"],
@@ -401,7 +400,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
     return seen.status
 
 
-@cli.command("plot")
+@cli.command("plot", cls=Configured)
 @click.argument("input_", metavar="INPUT-or-PROGRAM")
 @click.option("-o", "--output", required=True, help="FILE.svg or FILE.png; - for SVG to stdout.")
 @click.option("--contours", is_flag=True, help="Only what was drawn; nothing is compiled.")
@@ -598,3 +597,6 @@ def profile_check(file: str) -> int:
         return 2
     click.echo(f"{file}: {machine.format}, {machine.title}")
     return 0
+
+
+cli.add_command(config_command(cli))

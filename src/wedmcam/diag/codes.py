@@ -638,4 +638,19 @@ CODES: dict[str, Code] = {
         "what it says is not about what will be cut",
         "compile again, or look which of the two was changed",
     ),
+    "settings-syntax": Code(
+        "A wedmcam.toml is no TOML, or cannot be read.",
+        "Its defaults (wire, gap, profile) would be missing from every program.",
+        "Correct the place named; --no-config compiles without it.",
+    ),
+    "settings-key": Code(
+        "A wedmcam.toml holds a key that is no option, or one that is no default.",
+        "A misspelt offset would be no offset.",
+        "Take the name that is proposed; `wedmcam config` lists all.",
+    ),
+    "settings-value": Code(
+        "A wedmcam.toml gives an option a value that it does not take.",
+        "The option would keep another value than the shop means.",
+        "Write the value as on the command line; lengths are text with a unit, or mm.",
+    ),
 }

@@ -34,7 +34,13 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """Control records of a 3B dialect, upper case, all different."""
+    """Control records of a 3B dialect, upper case, all different.
+
+    Attributes:
+        pause: the machine waits for the operator (threading, a piece that comes loose).
+        stop: end of cutting, after the last block.
+        end: end of the program, where a file has one.
+    """
 
     pause: str = "D"
     stop: str = "DD"
@@ -80,9 +86,9 @@ class Machine:
     Attributes:
         name: of the profile, e.g. ``b3-compact``.
         title: one line for people.
-        format: a key of ``backends.ENCODERS`` and ``frontends.DECODERS``.
-        line_table: a value of ``ir.program.LineTable``: which axis a line steps first outside
-            quadrants 1 and 3, and with it on which axis a 45 degree line is counted.
+        format: what programs are written in and read as.
+        line_table: which axis a line steps first outside quadrants 1 and 3, and with it on which
+            axis a 45 degree line is counted: see `ir.program.LineTable`.
         count: ``exact``: J by running the interpolator; ``textbook``: J by geometry.
         limits: see `Limits`.
         words: see `Words`; used by 3B.

@@ -1,0 +1,120 @@
+"""A profile as text with every value in force: what a shop starts its own from.
+
+The built-in files leave defaults out, and a reader cannot see what could stand there. Here each key
+that the format takes is written with what it means. Meanings are those of the attributes in
+``machine``, so they are said once.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from wedmcam.machines import machine as model
+from wedmcam.machines.machine import Machine
+from wedmcam.machines.profile import _EOL, _SCHEMA
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One key of a profile.
+
+    Attributes:
+        section: table that it stands in; empty for the top.
+        key: its name there.
+        value: in force, as TOML has it; None where there is none and none is written.
+        takes: what may stand there.
+        means: what it does.
+        required: every profile must say it.
+        formats: that know it.
+    """
+
+    section: str
+    key: str
+    value: Any
+    takes: str
+    means: str
+    required: bool
+    formats: tuple[str, ...]
+
+
+@cache
+def meanings(of: type) -> dict[str, str]:
+    """Return attribute -> meaning from the docstring of a dataclass.
+
+    >>> meanings(model.Limits)["count_um"]
+    'count length J of one block.'
+    """
+    text = inspect.getdoc(of) or ""
+    _, _, listed = text.partition("Attributes:\n")
+    found: dict[str, str] = {}
+    for name, said in re.findall(r"^    (\w+): (.*(?:\n(?:        .*|))*)", listed, re.M):
+        found[name] = " ".join(re.sub("`+", "", said).split())
+    return found
+
+
+def section_types() -> dict[str, type]:
+    """Return section -> the dataclass that holds it; the top is the machine itself."""
+    hints = Machine.__annotations__
+    return {"": Machine} | {s: getattr(model, str(hints[s])) for s in _SCHEMA if s in hints}
+
+
+def entries(machine: Machine | None = None, format_: str | None = None) -> Iterator[Entry]:
+    """Yield the keys that a format takes, in their order, with the values of a machine.
+
+    Without a machine values are None; without a format all keys are told.
+    """
+    wanted = machine.format if machine else format_
+    for section, rules in _SCHEMA.items():
+        holder: Any = getattr(machine, section) if machine and section else machine
+        said = meanings(section_types()[section]) if section in section_types() else {}
+        for key, rule in rules.items():
+            if wanted is not None and wanted not in rule.formats:
+                continue
+            value = None if holder is None else _toml_value(key, getattr(holder, key))
+            if value is not None and not (type(value) is rule.of and rule.good(value)):
+                value = None  # 0 for no limit: a profile says that by leaving the key out
+            yield Entry(
+                section, key, value, rule.takes, said.get(key, ""), rule.required, rule.formats
+            )
+
+
+def _toml_value(key: str, value: Any) -> Any:
+    if key == "eol":
+        return next(name for name, text in _EOL.items() if text == value)
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list):
+        return f"[{', '.join(_written(v) for v in value)}]"
+    # Strings of JSON are basic strings of TOML; whole numbers are the same in both.
+    return json.dumps(value, ensure_ascii=False)
+
+
+def as_toml(machine: Machine) -> str:
+    """Return a profile as TOML: every key that its format takes, with its meaning.
+
+    `parse` makes the same machine of it.
+    """
+    lines = [f"# Profile {machine.name}: every value in force. Lengths in um."]
+    section = ""
+    for entry in entries(machine):
+        if entry.section != section:
+            section = entry.section
+            lines += ["", f"[{section}]"]
+        about = f"{entry.means} Takes {entry.takes}.".strip()
+        lines += textwrap.wrap(about, 96, initial_indent="# ", subsequent_indent="#   ")
+        if entry.value is None:
+            lines.append(f"# {entry.key} is not set")
+        else:
+            lines.append(f"{entry.key} = {_written(entry.value)}")
+    return "\n".join(lines) + "\n"

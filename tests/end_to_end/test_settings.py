@@ -1,0 +1,199 @@
+"""wedmcam.toml: where it is looked for, what wins, and what is said when it is wrong."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from test_cli import wedmcam
+
+import parts
+from wedmcam.cli import main, settings
+
+COLUMNS = Path(main.__file__).parents[1] / "machines" / "b3-columns.toml"
+SQUARE = parts.dxf_bytes((parts.rectangle(20_000, 10_000),))
+
+
+@pytest.fixture
+def shop(tmp_path):
+    (tmp_path / "jobs" / "inner").mkdir(parents=True)
+    (tmp_path / "user" / "wedmcam").mkdir(parents=True)
+    for place in ("jobs", "jobs/inner"):
+        (tmp_path / place / "part.dxf").write_bytes(SQUARE)
+    return tmp_path
+
+
+def put(shop, folder, *lines):
+    (shop / folder / settings.NAME).write_text("\n".join(lines) + "\n", "utf-8")
+
+
+def config(shop, *line, input_="jobs/inner/part.dxf"):
+    done = wedmcam("config", input_, "--json", *line, cwd=shop, env=user(shop))
+    assert done.returncode == 0, done.stderr.decode()
+    return json.loads(done.stdout)
+
+
+def user(shop):
+    return {"XDG_CONFIG_HOME": str(shop / "user")}
+
+
+def compiled(shop, *line, input_="jobs/inner/part.dxf", output="x.3b"):
+    done = wedmcam("compile", input_, "-o", output, "--json", *line, cwd=shop, env=user(shop))
+    assert done.returncode == 0, done.stderr.decode()
+    return json.loads(done.stdout)
+
+
+def test_nearer_files_win_and_typed_options_win_over_all(shop):
+    put(shop, "user/wedmcam", 'lead = "2mm"', "overcut = 0.5", 'join = "20um"')
+    put(shop, "jobs", "# the shop", "wire = 0.18", 'gap = "10um"', "lead = 3")
+    put(shop, "jobs/inner", "lead = 4")
+    told = config(shop, "--join", "5um")
+    assert told["files"] == [
+        f"{folder}/wedmcam.toml" for folder in ("jobs/inner", "jobs", "user/wedmcam")
+    ]
+    got = told["settings"]
+    assert got["lead"] == {
+        "value": 4,
+        "from": "file",
+        "file": "jobs/inner/wedmcam.toml",
+        "line": 1,
+    }
+    assert got["wire"] == {
+        "value": 0.18,
+        "from": "file",
+        "file": "jobs/wedmcam.toml",
+        "line": 2,
+    }
+    assert got["overcut"]["file"] == "user/wedmcam/wedmcam.toml"
+    assert got["join"] == {"value": "0.005mm", "from": "option"}
+    assert got["convex"] == {"value": "arc", "from": "default"}
+    assert compiled(shop)["offset_um"] == 100
+    assert compiled(shop)["options"]["lead_um"] == 4000
+    assert compiled(shop, "--lead", "1.5")["options"]["lead_um"] == 1500
+    assert "lead_um" not in compiled(shop, "--no-config")["options"]
+
+
+def test_offset_and_wire_with_gap_do_not_meet_across_levels(shop):
+    put(shop, "jobs", "wire = 0.18", 'gap = "10um"')
+    assert compiled(shop, "--offset", "0.2")["offset_um"] == 200
+    assert compiled(shop, "--wire", "0.28")["offset_um"] == 150
+    put(shop, "jobs/inner", "offset = 0.3")
+    assert compiled(shop)["offset_um"] == 300
+    assert {a["key"] for a in config(shop)["aside"]} == {"wire", "gap"}
+    assert compiled(shop, "--side", "on")["offset_um"] == 0
+    put(shop, "jobs/inner", 'side = "on"')
+    assert compiled(shop)["side"] == "on"
+    assert compiled(shop, "--offset", "0.1")["side"] == "part"
+
+
+def test_the_certificate_repeats_what_was_in_force(shop):
+    shutil.copy(COLUMNS, shop / "jobs" / "mine.toml")
+    put(shop, "jobs", "offset = 0.1", "corner = 0.5", 'profile = "mine.toml"')
+    made = compiled(shop, "--certificate", "c.json")
+    assert made["options"]["corner_um"] == 500
+    assert made["profile"] == "mine"
+    put(shop, "jobs", "offset = 0.2")
+    (shop / "jobs" / "mine.toml").unlink()
+    done = wedmcam("verify", "x.3b", "--certificate", "c.json", cwd=shop, env=user(shop))
+    assert done.returncode == 0, done.stderr.decode()
+
+
+def test_a_profile_of_another_format_is_left_aside(shop):
+    put(shop, "jobs", "offset = 0.1", 'profile = "b3-columns"')
+    assert compiled(shop)["profile"] == "b3-columns"
+    assert compiled(shop, output="x.zd")["profile"] == "zd065"
+    assert compiled(shop, "--to", "compact", output="-x")["profile"] == "zd065"
+    for name in ("x.zd", "x.3b"):
+        line = ("verify", name, "--against", "jobs/part.dxf")
+        done = wedmcam(*line, cwd=shop, env=user(shop))
+        assert done.returncode == 0, done.stderr.decode()
+    put(shop, "jobs", "offset = 0.1", 'to = "compact"')
+    assert compiled(shop, output="y.zdx")["format"] == "compact"
+    assert compiled(shop)["format"] == "3b"
+
+
+def test_units_of_a_shop_are_weaker_than_those_of_a_drawing(shop):
+    put(shop, "jobs", 'units = "um"', "offset = 0.1")
+    assert compiled(shop)["units"] == "mm"
+    (shop / "jobs" / "none.dxf").write_bytes(
+        parts.dxf_bytes((parts.rectangle(20_000, 10_000),), units=0)
+    )
+    assert compiled(shop, input_="jobs/none.dxf")["units"] == "um"
+
+
+def test_standard_input_is_of_this_folder(shop):
+    put(shop, ".", "offset = 0.1")
+    done = wedmcam("check", "-", "--json", cwd=shop, stdin=SQUARE, env=user(shop))
+    assert json.loads(done.stdout)["offset_um"] == 100
+    done = wedmcam("check", "-", "--json", cwd=shop / "user", stdin=SQUARE, env=user(shop))
+    assert json.loads(done.stdout)["offset_um"] == 100
+
+
+def test_batch_takes_each_item_from_its_own_folder(shop):
+    put(shop, "jobs", "offset = 0.1")
+    put(shop, "jobs/inner", 'profile = "zd065"', "wire = 0.2", "gap = 0.1")
+    (shop / "jobs" / "wrong").mkdir()
+    (shop / "jobs" / "wrong" / "part.dxf").write_bytes(SQUARE)
+    put(shop, "jobs/wrong", "ofset = 0.1")
+    done = wedmcam("batch", "jobs", "-o", "out", "--json", cwd=shop, env=user(shop))
+    assert done.returncode == 2, done.stderr.decode()
+    assert "jobs/wrong/wedmcam.toml:1:1: error[settings-key]" in done.stderr.decode()
+    records = {r["input"]: r for r in map(json.loads, done.stdout.splitlines())}
+    assert records["jobs/part.dxf"]["offset_um"] == 100
+    assert records["jobs/inner/part.dxf"]["offset_um"] == 200
+    assert records["jobs/inner/part.dxf"]["output"] == "out/inner/part.zd"
+    assert records["jobs/wrong/part.dxf"]["status"] == 2
+    assert (shop / "out/inner/part.zd").exists()
+
+
+WRONG = [
+    ("ofset = 0.1", "1:1", "did you mean 'offset'?", "^~~~~"),
+    ("a = [\n 1,\n]", "1:1", "wedmcam config", "^"),
+    ('side = "prat"', "1:8", "did you mean 'part'?", "^~~~~~"),
+    ('gap = "1 furlong"  # long', "1:7", "is no length", "^~~~~~~~~~~"),
+    ("\toffset = true", "1:11", "takes a length", "^~~~"),
+    ("offset = nan", "1:10", "is no length", "^~~"),
+    ("reverse = 1", "1:11", "takes true or false", "^"),
+    ('jobs = "2"', "1:8", "takes a whole number", "^~~"),
+    ("start = [[1, 2], 3]", "1:9", "takes a point", "^"),
+    ('profile = "b3-colums"', "1:11", "b3-columns", "^"),
+    ('profile = "gone.toml"', "1:11", "there is no file", "^"),
+    ('to = "3c"', "1:6", "takes 3b", "^"),
+    ('certificate = "c.json"', "1:1", "file of one run", "^~~~~~~~~~~"),
+    ("[compile]\noffset = 0.1", "1:1", "without sections", "^~~~~~~~~"),
+    ("offset = 0.1\noffset = 0.2", "2:", "settings-syntax", "^"),
+    ("offset = ", "1:", "settings-syntax", "^"),
+    ('layer = ["中", 3]', "1:9", "takes text", "^~~~~~~~~"),
+    ("# one\nwire = 0.18\noffset = 0.1", "3:10", "not both", "^~~"),
+    ("corner = 0.05\noffset = 0.1", "1:10", "below the offset", "^~~~"),
+    ("\n\noffset = -1", "3:10", "negative", "^~"),
+]
+
+
+@pytest.mark.parametrize(("text", "place", "said", "mark"), WRONG)
+def test_what_is_wrong_is_said_with_line_and_caret(shop, text, place, said, mark):
+    put(shop, "jobs", text)
+    line = ("compile", "jobs/part.dxf", "-o", "x.3b")
+    done = wedmcam(*line, cwd=shop, env=user(shop))
+    heard = done.stderr.decode()
+    assert done.returncode == 2, heard
+    assert heard.startswith(f"jobs/wedmcam.toml:{place}")
+    assert said in heard
+    assert any(line.lstrip(" |\t").startswith(mark) for line in heard.splitlines()[1:])
+    assert not (shop / "x.3b").exists()
+
+
+def test_all_that_is_wrong_is_said_at_once(shop):
+    put(shop, "jobs", "ofset = 1", "lead = true", 'side = "x"')
+    put(shop, "user/wedmcam", "wier = 1")
+    done = wedmcam("check", "jobs/part.dxf", cwd=shop, env=user(shop))
+    assert done.stderr.decode().count("error[settings-") == 4
+
+
+def test_every_option_that_names_no_file_can_stand_there():
+    known = settings.known_options(main.cli)
+    assert {"offset", "wire", "gap", "profile", "jobs", "strict", "arithmetic"} <= set(known)
+    never = {key for key, option in known.items() if settings.of_one_run(option)}
+    assert {"output", "certificate", "plot", "against"} <= never
+    shown = {settings.key_of(p) for p in main.cli.commands["config"].params}
+    assert set(known) - never <= shown

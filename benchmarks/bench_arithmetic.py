@@ -18,9 +18,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import numpy as np
+from stage_drawings import drawing
 
 import parts
-from stage_drawings import drawing
 from wedmcam import api
 
 ROUNDS = 9

@@ -225,10 +225,14 @@ def prove(
     from wedmcam.judge.judge import judge
 
     decoded, found = decode(data, machine, file, options)
-    # Notes of the reader say how it understood a foreign file; and what the writer said of its own
-    # file (it needs two loads, say) need not be said twice.
-    said = {(d.code, d.message) for d in run.found}
-    new = [d for d in found if (d.code, d.message) not in said and d.severity > Severity.NOTE]
+    # Notes of the reader say how it understood a foreign file; and what the writer warned of (the
+    # file needs two loads, say) need not be said twice.
+    said = {d.code for d in run.found}
+    new = [
+        d
+        for d in found
+        if d.severity is Severity.ERROR or (d.severity > Severity.NOTE and d.code not in said)
+    ]
     run.add("decode", new)
     decoded = changed(decoded, origin=origin)
     verdict, found = judge(

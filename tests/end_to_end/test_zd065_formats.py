@@ -85,3 +85,17 @@ def test_random_rounded_parts_are_proven_or_refused():
         assert made.ok or made.stage in ("encode", "verify"), made.findings
         done.append(made.ok)
     assert np.mean(done) > 0.4
+
+
+def test_identify_tells_the_last_address_and_the_memory(tmp_path):
+    from click.testing import CliRunner
+
+    from wedmcam.cli.main import cli
+
+    program = tmp_path / "stator.bin"
+    made = wedmcam.compile(SAMPLES / "stator-36.dxf", to="compact", offset=0.1)
+    assert [d.code for d in made.findings].count("over-memory") == 1
+    program.write_bytes(made.data)
+    told = CliRunner().invoke(cli, ["identify", str(program)], standalone_mode=False).output
+    used = len(made.data)
+    assert f"last address {used - 1:#06x}, {used} of 4096 bytes" in told

@@ -474,7 +474,9 @@ def identify_command(file: str, json_: bool) -> int:
     if json_:
         say.say_json({"file": file, **identification(seen)})
     else:
-        click.echo(f"{file}: {seen.reason}")
+        from wedmcam.cli.tables import memory_of
+
+        click.echo(f"{file}: {seen.reason}{memory_of(seen)}")
     return 0 if seen.format != "unknown" else 1
 
 

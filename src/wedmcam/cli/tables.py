@@ -19,6 +19,16 @@ def identification(seen: Identification) -> dict[str, Any]:
     return asdict(seen)
 
 
+def memory_of(seen: Identification) -> str:
+    """Return where the data of a binary program end, and how much of the memory they take."""
+    from wedmcam import machines
+
+    if seen.last_address is None or seen.format not in ("compact", "rotation", "compensation"):
+        return ""
+    used, memory = seen.last_address + 1, machines.default(seen.format).limits.memory_bytes
+    return f"; last address {seen.last_address:#06x}, {used} of {memory} bytes"
+
+
 def dump_rows(program: Program, machine: Machine) -> list[dict[str, Any]]:
     """Return the blocks of a program as plain data."""
     from wedmcam.frontends.dump import dump

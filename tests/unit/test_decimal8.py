@@ -2,7 +2,7 @@
 
 import copy
 import pickle
-from decimal import Decimal
+from decimal import ROUND_HALF_UP, Context, Decimal
 
 import numpy as np
 import pytest
@@ -19,6 +19,7 @@ from wedmcam.decimal8 import (
     where,
 )
 
+EIGHT = Context(prec=8, rounding=ROUND_HALF_UP)
 PAPER = bytes.fromhex("110713625000")  # -13.625e-9, Sun Yat-sen University 1983
 
 
@@ -210,6 +211,15 @@ def test_underflow_is_flagged_in_every_open_watch():
         ("1.0000000", "-0.4e-8", "1"),
         ("1.0000000", "-0.6e-8", "0.99999999"),
         ("0", "-5e-90", "-5e-90"),
+        # The floats nearest to these differ by 0.99999999392e-7 and the like.
+        ("1.2345679", "-1.2345678", "1e-7"),
+        ("77777.778", "-77777.777", "0.001"),
+        ("9.9999999", "-9.9999989", "1e-6"),
+        ("1.0000005", "-0.99999955", "9.5e-7"),
+        ("99999997", "0", "99999997"),
+        ("1e8", "-3", "99999997"),
+        ("1e8", "-3.5", "99999997"),  # 99999996.5, a tie
+        ("-1e8", "4.5", "-99999996"),  # 99999995.5, a tie
     ],
 )
 def test_addition(a, b, total):
@@ -248,6 +258,30 @@ def test_multiplication(a, b, product):
 def test_division(a, b, quotient):
     assert (Decimal8(a) / Decimal8(b)).decimal == Decimal(quotient)
     assert (Decimal8Array([a]) / Decimal8Array([b])).tolist() == [Decimal(quotient)]
+
+
+@pytest.mark.parametrize("factor", [2, 4, 0.5, 8, 5, 16, 99999, 100001, Decimal8("0.5"), -2])
+def test_short_factors_and_divisors(factor):
+    """Ties abound; numbers of few digits take a way of their own."""
+    exact = Decimal8(factor).decimal
+    m = np.array([10000001, 32345679, 99999999, 99999998, 50000005, 12345675, 33333333])
+    for e in (-60, 0, 3, 8, 9, 30, 60):
+        a = Decimal8Array.from_parts(np.append(m, -m), e)
+        for result, operation in ((a * factor, "multiply"), (a / factor, "divide")):
+            expected = [getattr(EIGHT, operation)(x, exact) for x in a.tolist()]
+            assert result.tolist() == expected
+
+
+def test_zero_has_no_sign():
+    a = -Decimal8Array([0, 1]) * 0
+    assert np.signbit(a.to_float()).tolist() == [False, False]
+    assert np.signbit(a).tolist() == [False, False]
+    assert atan2(a, Decimal8Array([1, 1])).tolist() == [0, 0]
+    assert atan2(Decimal8Array([1, 0]), a).tolist() == [Decimal("1.5707963"), 0]
+    assert text(a) == ["0", "0"]
+    assert a.to_bytes() == bytes(12)
+    assert (a == 0).all()
+    assert (a.rint() == 0).all()
 
 
 def test_errors_of_operations():
@@ -304,6 +338,9 @@ def test_comparisons_take_numbers_as_they_are():
     assert (a != np.full(6, np.nan)).all()
     assert (a == 10**300).tolist() == [False] * 6
     assert (Decimal8Array([3, 4]) == np.array([3, 5])).tolist() == [True, False]
+    n = np.array([2**63 - 1, -(2**63), 123456785, 7])
+    assert (Decimal8Array(n) == n).tolist() == [False, False, False, True]
+    assert (Decimal8Array(n) > n).tolist() == [False, True, True, False]
 
 
 def test_order_and_hash():

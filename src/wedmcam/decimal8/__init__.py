@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wedmcam.decimal8.array import Decimal8Array
+from wedmcam.decimal8.convert import from_floats
 from wedmcam.decimal8.form import Flags, watch
 from wedmcam.decimal8.protocol import where
 from wedmcam.decimal8.scalar import Decimal8
@@ -126,7 +127,7 @@ class Decimal8Arithmetic:
         """Return ``values`` with each rounded once; an array of this kind is returned as it is."""
         if isinstance(values, Decimal8Array):
             return values
-        return Decimal8Array.from_values(np.asarray(values, dtype=np.float64))
+        return Decimal8Array._of(from_floats(np.asarray(values, dtype=np.float64)))
 
     def to_float(self, a: Decimal8Array) -> NDArray[np.float64]:
         """Return the float64 nearest to each value."""

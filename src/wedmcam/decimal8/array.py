@@ -1,9 +1,10 @@
-"""Arrays of 8-digit decimal numbers: a mantissa array and an exponent array behind one face."""
+"""Arrays of 8-digit decimal numbers, behind the face of a numpy array."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from decimal import Decimal
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from wedmcam.decimal8 import convert, functions, kernel
 from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO
-from wedmcam.decimal8.kernel import Exponents, Mantissas, Parts
+from wedmcam.decimal8.held import Floats, floats, parts
 from wedmcam.decimal8.methods import Methods
 from wedmcam.decimal8.scalar import Decimal8, parts_of
+
+#: Added to a copy: of the two zeros of float64 it leaves the one without a sign.
+_PLUS_ZERO = np.array(0.0)
 
 
 class Decimal8Array(Methods):
@@ -34,22 +38,19 @@ class Decimal8Array(Methods):
     Decimal8Array(['1.7320508', '0.31622777', '1.5811388'])
     """
 
-    __slots__ = ("_e", "_m")
-    _m: Mantissas
-    _e: Exponents
+    __slots__ = ("_v",)
+    #: The float64 nearest to each number; of zeros either.
+    _v: Floats
 
     def __init__(self, values: Any = ()) -> None:
-        other = self.from_values(values)
-        self._m, self._e = other._m, other._e
+        self._v = self.from_values(values)._v
 
     # --- construction -----------------------------------------------------------------------
 
     @classmethod
-    def _of(cls, parts: Parts, shape: tuple[int, ...] | None = None) -> Decimal8Array:
+    def _of(cls, values: Floats) -> Decimal8Array:
         self = cls.__new__(cls)
-        self._m, self._e = parts
-        if shape is not None and self._m.shape != shape:
-            self._m, self._e = self._m.reshape(shape), self._e.reshape(shape)
+        self._v = values
         return self
 
     @classmethod
@@ -67,8 +68,7 @@ class Decimal8Array(Methods):
         if isinstance(values, Decimal8Array):
             return values.copy()
         if isinstance(values, (Decimal8, int, float)):
-            one, place = parts_of(values)
-            return cls._of((np.array(one, np.int32), np.array(place, np.int16)))
+            return cls._of(np.array(float(Decimal8(values))))
         if isinstance(values, (list, tuple)):
             kinds = set(map(type, values))
             if kinds == {float}:
@@ -77,18 +77,16 @@ class Decimal8Array(Methods):
                 values = np.array(values, np.int64)
         if isinstance(values, (np.ndarray, np.generic)):
             if values.dtype.kind == "f" and values.dtype.itemsize <= 8:
-                flat = np.ascontiguousarray(values, np.float64).reshape(-1)
-                return cls._of(convert.from_floats(flat), values.shape)
+                return cls._of(convert.from_floats(np.asarray(values, np.float64)))
             if values.dtype.kind in "ib" or (values.dtype.kind == "u" and values.itemsize < 8):
-                flat_i = np.ascontiguousarray(values, np.int64).reshape(-1)
-                return cls._of(convert.from_integers(flat_i), values.shape)
+                return cls._of(convert.from_integers(np.asarray(values, np.int64)))
         elif not isinstance(values, (Sequence, Decimal8)) and isinstance(values, Iterable):
             values = list(values)
         things = np.asarray(values, dtype=object)
-        parts = [parts_of(thing) for thing in things.reshape(-1).tolist()]
-        m = np.array([part[0] for part in parts], np.int32)
-        e = np.array([part[1] for part in parts], np.int16)
-        return cls._of((m, e), things.shape)
+        both = [parts_of(thing) for thing in things.reshape(-1).tolist()]
+        m = np.array([part[0] for part in both], np.int64)
+        e = np.array([part[1] for part in both], np.int64)
+        return cls._of(floats(m, e).reshape(things.shape))
 
     @classmethod
     def from_parts(cls, mantissas: ArrayLike, exponents: ArrayLike) -> Decimal8Array:
@@ -105,7 +103,7 @@ class Decimal8Array(Methods):
         size = np.abs(m)
         if ((m != 0) & ((size < LOW) | (size >= HIGH) | (np.abs(e) > EXPONENT_MAX))).any():
             raise ValueError("a mantissa has not 8 digits, or an exponent is beyond 99")
-        return cls._of((m.astype(np.int32), np.where(m == 0, ZERO, e).astype(np.int16)))
+        return cls._of(floats(m.reshape(-1), e.reshape(-1)).reshape(m.shape))
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Decimal8Array:
@@ -122,11 +120,11 @@ class Decimal8Array(Methods):
 
     def to_bytes(self) -> bytes:
         """Return 6 bytes of BCD a number, one after the other."""
-        return convert.to_bcd(*self._flat()).tobytes()
+        return convert.to_bcd(*parts(self._v.reshape(-1))).tobytes()
 
     def to_float(self) -> NDArray[np.float64]:
-        """Return the float64 nearest to each value."""
-        return convert.to_floats(*self._flat()).reshape(self.shape)
+        """Return the float64 nearest to each value, as an array of its own."""
+        return np.asarray(np.add(self._v, _PLUS_ZERO))
 
     def to_int(self) -> NDArray[np.int64]:
         """Return the nearest integers, ties away from zero.
@@ -134,13 +132,11 @@ class Decimal8Array(Methods):
         Raises:
             OverflowError: one is 10^18 or more.
         """
-        whole = self.rint()
-        if (whole._e > 18).any():
+        whole = functions.whole(self._v, "away")
+        if (np.abs(whole) >= 1e18).any():
             raise OverflowError("an integer of more than 18 digits")
-        k = np.where(whole._m == 0, 0, whole._e).astype(np.int64) - DIGITS
-        tens = 10 ** np.abs(k)
-        integers: NDArray[np.int64] = np.where(k >= 0, whole._m * tens, whole._m // tens)
-        return integers
+        # An integer of 8 digits and up to ten zeros has 51 bits and ten zeros: an exact float64.
+        return whole.astype(np.int64)
 
     def tolist(self) -> Any:
         """Return the exact values as (nested lists of) `decimal.Decimal`."""
@@ -150,51 +146,52 @@ class Decimal8Array(Methods):
 
     def item(self, *index: int) -> Decimal8:
         """Return one element; without an index, the only one."""
-        return Decimal8._of(int(self._m.item(*index)), int(self._e.item(*index)))
+        return Decimal8._named(self._v.item(*index))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """Return float64; with ``dtype=object``, `Decimal8` numbers."""
         if dtype == np.dtype(object):
             out = np.empty(self.size, object)
-            out[:] = [self.reshape(-1).item(i) for i in range(self.size)]
+            out[:] = list(self.ravel())
             return out.reshape(self.shape)
         return self.to_float().astype(np.float64 if dtype is None else dtype, copy=False)
 
     @property
-    def mantissa(self) -> Mantissas:
-        """The signed significands as 8-digit integers (a copy)."""
-        return self._m.copy()
+    def mantissa(self) -> NDArray[np.int64]:
+        """The signed significands as 8-digit integers."""
+        return parts(self._v)[0]
 
     @property
-    def exponent(self) -> Exponents:
-        """The exponents of 0.dddddddd x 10^e, 0 for zero (a copy)."""
-        return np.where(self._m == 0, np.int16(0), self._e)
+    def exponent(self) -> NDArray[np.int64]:
+        """The exponents of 0.dddddddd x 10^e, 0 for zero."""
+        e = parts(self._v)[1]
+        return np.where(e == ZERO, 0, e)
 
     # --- shape and elements -----------------------------------------------------------------
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Length along each axis."""
-        return self._m.shape
+        return self._v.shape
 
     @property
     def ndim(self) -> int:
         """Number of axes."""
-        return self._m.ndim
+        return self._v.ndim
 
     @property
     def size(self) -> int:
         """Number of elements."""
-        return self._m.size
+        return self._v.size
 
     @property
     def T(self) -> Decimal8Array:  # noqa: N802 (numpy's name)
         """The transposed array (a view)."""
-        return self._of((self._m.T, self._e.T))
+        return self._of(self._v.T)
 
     def reshape(self, *shape: Any) -> Decimal8Array:
         """Return the elements in another shape."""
-        return self._of((self._m.reshape(*shape), self._e.reshape(*shape)))
+        return self._of(self._v.reshape(*shape))
 
     def ravel(self) -> Decimal8Array:
         """Return all elements along one axis."""
@@ -202,33 +199,30 @@ class Decimal8Array(Methods):
 
     def copy(self) -> Decimal8Array:
         """Return an array of its own."""
-        return self._of((self._m.copy(), self._e.copy()))
+        return self._of(self._v.copy())
 
     def __len__(self) -> int:
-        return len(self._m)
+        return len(self._v)
 
     def __iter__(self) -> Iterator[Any]:
         if self.ndim == 1:
-            for m, e in zip(self._m.tolist(), self._e.tolist(), strict=True):
-                yield Decimal8._of(m, e)
+            m, e = parts(self._v)
+            for one, place in zip(m.tolist(), e.tolist(), strict=True):
+                yield Decimal8._of(one, place)
         else:
             for i in range(len(self)):
                 yield self[i]
 
     def __getitem__(self, index: Any) -> Any:
-        m, e = self._m[index], self._e[index]
-        if isinstance(m, np.ndarray):
-            return self._of((m, e))
-        return Decimal8._of(int(m), int(e))
+        values = self._v[index]
+        if isinstance(values, np.ndarray):
+            return self._of(values)
+        return Decimal8._named(float(values))
 
     def __setitem__(self, index: Any, value: Any) -> None:
-        new = as_array(value)
-        self._m[index], self._e[index] = new._m, new._e
+        self._v[index] = as_array(value)._v
 
     # --- arithmetic -------------------------------------------------------------------------
-
-    def _flat(self) -> Parts:
-        return self._m.reshape(-1), self._e.reshape(-1)
 
     def __add__(self, other: Any) -> Any:
         return binary(kernel.add, self, other)
@@ -243,13 +237,13 @@ class Decimal8Array(Methods):
         return binary(kernel.subtract, other, self)
 
     def __mul__(self, other: Any) -> Any:
-        return binary(kernel.multiply, self, other)
+        return binary(kernel.multiply, self, other, kernel.multiply_short)
 
     def __rmul__(self, other: Any) -> Any:
-        return binary(kernel.multiply, other, self)
+        return binary(kernel.multiply, self, other, kernel.multiply_short)
 
     def __truediv__(self, other: Any) -> Any:
-        return binary(kernel.divide, self, other)
+        return binary(kernel.divide, self, other, kernel.divide_short)
 
     def __rtruediv__(self, other: Any) -> Any:
         return binary(kernel.divide, other, self)
@@ -263,13 +257,13 @@ class Decimal8Array(Methods):
         return binary(functions.power, other, self)
 
     def __neg__(self) -> Decimal8Array:
-        return self._of((-self._m, self._e.copy()))
+        return self._of(np.negative(self._v))
 
     def __pos__(self) -> Decimal8Array:
         return self.copy()
 
     def __abs__(self) -> Decimal8Array:
-        return self._of((np.abs(self._m), self._e.copy()))
+        return self._of(np.abs(self._v))
 
     def sqrt(self) -> Decimal8Array:
         """Return the square root.
@@ -277,17 +271,17 @@ class Decimal8Array(Methods):
         Raises:
             ValueError: a number is negative.
         """
-        return self._of(kernel.square_root(self._flat()), self.shape)
+        return self._of(kernel.square_root(self._v))
 
     def _call(self, name: str, *others: Any) -> Decimal8Array:
         function = getattr(functions, name)
         if others:
             result: Decimal8Array = binary(function, self, *others)
             return result
-        return self._of(function(self._flat()), self.shape)
+        return self._of(function(self._v))
 
     def _whole(self, how: str) -> Decimal8Array:
-        return self._of(functions.whole(self._flat(), how), self.shape)
+        return self._of(functions.whole(self._v, how))
 
     def sum(self) -> Decimal8:
         """Return the sum of all elements, added one after the other from the left.
@@ -305,18 +299,13 @@ class Decimal8Array(Methods):
 
     def max(self) -> Decimal8:
         """Return the largest element."""
-        return self.reshape(-1).item(int(self.key().argmax()))
+        return self.item(int(self._v.argmax()))
 
     def min(self) -> Decimal8:
         """Return the smallest element."""
-        return self.reshape(-1).item(int(self.key().argmin()))
+        return self.item(int(self._v.argmin()))
 
     # --- comparison -------------------------------------------------------------------------
-
-    def key(self) -> NDArray[np.int64]:
-        """Return integers in the same order as the values, equal where these are equal."""
-        place = (self._e.astype(np.int64) + 2 * EXPONENT_MAX) * HIGH
-        return self._m + np.sign(self._m).astype(np.int64) * place
 
     def __eq__(self, other: object) -> Any:
         return compare(np.equal, self, other)
@@ -339,7 +328,7 @@ class Decimal8Array(Methods):
     __hash__ = None  # type: ignore[assignment]
 
     def __bool__(self) -> bool:
-        return bool(self._m != 0)
+        return bool(self._v != 0)
 
     def __repr__(self) -> str:
         texts = np.array(self.tolist(), object).astype(str)
@@ -369,79 +358,131 @@ def _operand(value: Any) -> bool:
     )
 
 
-def binary(function: Any, a: Any, b: Any) -> Any:
-    """Return function(a, b), broadcast; at least one of them is a `Decimal8Array`."""
-    if not (_operand(a) and _operand(b)):
-        return NotImplemented
-    a, b = as_array(a), as_array(b)
-    # One number beside an array stays one: the kernels broadcast it piece by piece.
-    if a.shape == b.shape or (b.size == 1 and b.ndim <= a.ndim):
-        shape = a.shape
-    elif a.size == 1 and a.ndim <= b.ndim:
-        shape = b.shape
+@lru_cache(maxsize=256)
+def _constant(value: float) -> tuple[Floats, bool]:
+    """Return a Python number as an operand, and whether it has at most 5 digits."""
+    rounded = Decimal8(value)
+    return np.array(float(rounded)), rounded.mantissa % 1000 == 0
+
+
+def binary(function: Any, a: Any, b: Any, short: Any = None) -> Any:
+    """Return function(a, b), broadcast; at least one of them is a `Decimal8Array`.
+
+    Args:
+        function: of floats that name numbers.
+        a: an operand.
+        b: another.
+        short: the function to take where b is a Python number of at most 5 digits.
+    """
+    if type(b) is Decimal8Array:
+        y = b._v
+    elif type(b) is int or type(b) is float:
+        y, few = _constant(b)
+        if few and short is not None:
+            function = short
+    elif _operand(b):
+        y = as_array(b)._v
     else:
-        shape = np.broadcast_shapes(a.shape, b.shape)
-        a, b = (
-            x
-            if x.size == 1
-            else Decimal8Array._of((np.broadcast_to(x._m, shape), np.broadcast_to(x._e, shape)))
-            for x in (a, b)
-        )
-    return Decimal8Array._of(function(a._flat(), b._flat()), shape)
+        return NotImplemented
+    if type(a) is Decimal8Array:
+        x = a._v
+    elif type(a) is int or type(a) is float:
+        x = _constant(a)[0]
+    elif _operand(a):
+        x = as_array(a)._v
+    else:
+        return NotImplemented
+    return Decimal8Array._of(function(x, y))
+
+
+# --- comparison -----------------------------------------------------------------------------
 
 
 def compare(relation: Any, a: Decimal8Array, other: Any) -> Any:
-    """Return where the relation holds; floats and long integers count at their exact value."""
-    if isinstance(other, Decimal8Array):
-        return relation(a.key(), other.key())
-    if isinstance(other, Decimal8):
-        return relation(a.key(), as_array(other).key())
+    """Return where the relation holds; floats and long integers count at their exact value.
+
+    A number that is no 8-digit one lies between two of them: it is compared as the 8-digit number
+    that it rounds to, and where that is equal, by what the rounding lost.
+    """
+    if type(other) is Decimal8Array:
+        return relation(a._v, other._v)
+    if type(other) is int or type(other) is float or isinstance(other, Decimal8):
+        near, rest = _apart(other)
+        if rest == 0:
+            return relation(a._v, near)
+        return _relations(relation, rest)(a._v, near)
     if not _operand(other):
         return NotImplemented
-    if isinstance(other, (np.ndarray, np.generic)) and other.dtype.kind in "fiub":
-        keys, nan = _doubled_keys(np.asarray(other))
+    if isinstance(other, (np.ndarray, np.generic)) and other.dtype.kind in "fib":
+        things, rests = _all_apart(np.asarray(other))
     else:
-        things = np.asarray(other, dtype=object)
-        flat = things.reshape(-1).tolist()
-        keys = np.array([_doubled_key(x) for x in flat], np.int64).reshape(things.shape)
-        nan = np.array([x != x for x in flat], bool).reshape(things.shape)
-    return relation(2 * a.key(), keys) & ~nan | nan & (relation is np.not_equal)
+        objects = np.asarray(other, dtype=object)
+        pairs = [_apart(x) for x in objects.reshape(-1).tolist()]
+        things = np.array([x.item() for x, _ in pairs]).reshape(objects.shape)
+        rests = np.array([rest for _, rest in pairs]).reshape(objects.shape)
+    if not rests.any():
+        return relation(a._v, things)
+    below, above = _relations(relation, -1), _relations(relation, 1)
+    return np.where(
+        rests == 0,
+        relation(a._v, things),
+        np.where(rests < 0, below(a._v, things), above(a._v, things)),
+    )
 
 
-def _doubled_key(x: Any) -> int:
-    """Return twice the `Decimal8Array.key` of a number, plus or minus 1 for what is lost.
+#: What a relation to x is as one to the 8-digit number next to x: next below, next above it.
+_STRICTER: dict[Any, tuple[Any, Any]] = {
+    np.less: (np.less, np.less_equal),
+    np.less_equal: (np.less, np.less_equal),
+    np.greater: (np.greater_equal, np.greater),
+    np.greater_equal: (np.greater_equal, np.greater),
+}
 
-    Rounding a number leaves its order to every 8-digit number but the one that it is rounded to;
-    there what was lost decides, and doubled keys leave room for it.
+
+def _relations(relation: Any, rest: int) -> Callable[[Floats, Any], Any]:
+    """Return the relation to a number that lies on the side ``rest`` of an 8-digit one."""
+    if relation in _STRICTER:
+        return _STRICTER[relation][rest > 0]  # type: ignore[no-any-return]
+    return lambda values, near: np.full(
+        np.broadcast_shapes(values.shape, near.shape), relation is np.not_equal
+    )
+
+
+@lru_cache(maxsize=256)
+def _apart(x: Any) -> tuple[Floats, int]:
+    """Return the 8-digit number that x rounds to, and on which side of it x lies.
+
+    What has no 8-digit number near it is infinite here, and NaN is NaN.
     """
+    if isinstance(x, Decimal8):
+        return np.array(float(x)), 0
     if x != x:
-        return 0
+        return np.array(np.nan), 0
     try:
         rounded = Decimal8(x)
     except OverflowError:
-        return 2**62 if x > 0 else -(2**62)
-    rest = int(rounded < x) - int(rounded > x)
-    return 2 * int(as_array(rounded).key()) + rest
+        return np.array(np.inf if x > 0 else -np.inf), 0
+    return np.array(float(rounded)), int(rounded < x) - int(rounded > x)
 
 
-def _doubled_keys(x: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return `_doubled_key` of a numpy array, and where it is NaN."""
+def _all_apart(x: NDArray[Any]) -> tuple[Floats, NDArray[Any]]:
+    """Return `_apart` of a numpy array of floats or integers."""
     if x.dtype.kind != "f":
-        rounded = as_array(x)
-        rest = np.sign(x.astype(np.int64) - rounded.to_int()) if x.dtype.kind != "b" else 0
-        return 2 * rounded.key() + rest, np.zeros(x.shape, bool)
-    flat = x.astype(np.float64).reshape(-1)
-    nan = np.isnan(flat)
-    large = np.abs(flat) >= 9e98
-    near = np.where(nan | large, 0.0, flat)
-    rounded = as_array(near)
-    back = rounded.to_float()
-    keys = 2 * rounded.key() + np.sign(near - back).astype(np.int64)
-    # A float next to an 8-digit number need not be equal to it: it is if the number is a binary
+        wide = x.astype(np.int64)
+        named = convert.from_integers(wide)
+        # Rounded, integers below 2^63 stay below it, and have 53 bits and zeros behind them.
+        return named, np.sign(wide - named.astype(np.int64))
+    values = x.astype(np.float64)
+    usual = np.abs(values) < 9e98  # others, NaN among them, one by one
+    named = convert.from_floats(np.where(usual, values, 0.0))
+    rests = np.sign(np.where(usual, values - named, 0.0)).astype(np.int64)
+    # The float that names a number need not be equal to it: it is if the number is a binary
     # fraction, and at most 10^11 times its mantissa. The few others are looked at exactly.
-    k = np.where(rounded._m == 0, 0, rounded._e).astype(np.int64) - DIGITS
-    fraction = (k < -11) | (rounded._m % 5 ** np.clip(-k, 0, 11) != 0)
-    doubtful = (near == back) & (rounded._m != 0) & (fraction | (k > 11)) | large
-    for i in np.flatnonzero(doubtful & ~nan):
-        keys[i] = _doubled_key(float(flat[i]))
-    return keys.reshape(x.shape), nan.reshape(x.shape)
+    m, e = parts(named)
+    k = np.where(m == 0, 0, e) - DIGITS
+    fraction = (k < -11) | (m % 5 ** np.clip(-k, 0, 11) != 0)
+    doubtful = (values == named) & (m != 0) & (fraction | (k > 11)) | ~usual
+    for i in np.flatnonzero(doubtful):
+        near, rests.flat[i] = _apart(float(values.flat[i]))
+        named.flat[i] = near.item()
+    return named, rests

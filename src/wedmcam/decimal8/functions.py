@@ -1,8 +1,10 @@
 """Sines, their inverses, powers and hypotenuses on arrays, each correctly rounded to 8 digits.
 
-Every function is computed in float64 first, with a bound of its error, and rounded. Where the
-error reaches over the middle between two 8-digit numbers, a finer float64 formula is asked if there
-is one, and what is still open (about one in ten million) goes to `exact`.
+Every function is computed in float64 of the floats that name its operands, and rounded. Such a
+float is not its operand: it is off by up to half of its last bit, which moves the result by so
+much times the derivative. Where that could matter (a large angle, a sine next to 0) or the result
+lies next to a tie, finer formulas take over, which know the digits of the operand; and what they
+leave open (about one in ten million) goes to `exact`.
 
 The bounds assume that numpy's float64 functions are good to `LIBRARY`: 4 units in the last place,
 which is what numpy promises of its vectorised functions; most are better than 1.
@@ -18,9 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.decimal8 import exact
-from wedmcam.decimal8.convert import decade, pair, product, ten
-from wedmcam.decimal8.form import DIGITS, HIGH, LOW, ZERO
-from wedmcam.decimal8.kernel import Exponents, Floats, Mantissas, Parts, in_range
+from wedmcam.decimal8.form import DIGITS, LOW, ZERO
+from wedmcam.decimal8.held import Floats, Ints, cells, checked, decades, pair, parts, product, ten
+from wedmcam.decimal8.kernel import Parts
+from wedmcam.decimal8.rounding import piecewise, rounded
 
 #: Relative error of one float64 operation, and of one numpy function.
 UNIT = 2.0**-53
@@ -32,48 +35,49 @@ _LARGEST_EXPONENT = 11 + DIGITS
 
 #: Value and bound of its relative error.
 Approximation = tuple[Floats, Floats | float]
-Operand = tuple[Mantissas, Exponents]
+#: Value, and what the error of the floats that name the operands may add to its own.
+Front = tuple[Floats, Floats | None]
 
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """One function: how it is approximated, and how it is decided.
+    """One function: how it is computed, approximated, and decided.
 
     Attributes:
         name: for messages.
         approximations: from coarse to fine; each takes mantissas and exponents of the operands.
         decide: mantissa and exponent of the result, from one element's integers.
+        front: the function of the floats that name the operands, wrong by less than 14 `UNIT` and
+            the slack. Without it every element is approximated.
     """
 
     name: str
     approximations: tuple[Callable[..., Approximation], ...]
     decide: Callable[..., tuple[int, int]]
+    front: Callable[..., Front] | None = None
 
-    def __call__(self, *operands: Parts) -> Parts:
-        """Return the function of one-dimensional operands, of one length or of length 1."""
-        n = 1
-        for m, _ in operands:
-            n = n if m.size == 1 else m.size
-        mantissas, exponents = np.empty(n, np.int32), np.empty(n, np.int16)
-        for start in range(0, n, PIECE):
-            stop = min(start + PIECE, n)
-            arguments: list[NDArray[Any]] = []
-            for operand in operands:
-                for part in operand:
-                    whole = np.broadcast_to(part, n) if part.size == 1 else part
-                    arguments.append(whole[start:stop])
-            m, e = self._piece(arguments)
-            in_range(m, e, start)
-            mantissas[start:stop], exponents[start:stop] = m, e
-        return mantissas, exponents
+    def __call__(self, *operands: Floats) -> Floats:
+        """Return the function of operands that broadcast."""
+        return piecewise(self._piece, *operands, piece=PIECE)
 
-    def _piece(self, arguments: list[NDArray[Any]]) -> tuple[Mantissas, NDArray[np.int64]]:
+    def _piece(self, start: int, *operands: Floats) -> Floats:
+        if self.front is None:
+            all_ = [a.reshape(-1) for a in np.broadcast_arrays(*operands)]
+            settled = self.settle(*all_)
+            out = checked(*settled, np.arange(start, start + all_[0].size))
+            return out.reshape(np.broadcast_shapes(*(a.shape for a in operands)))
+        y, slack = self.front(*operands)
+        return rounded(y, operands, self.settle, start, slack)
+
+    def settle(self, *operands: Floats) -> Parts:
+        """Return mantissas and exponents, rounded, of the function of some elements."""
+        arguments = [part for a in operands for part in parts(a)]
         with np.errstate(all="ignore"):
-            m, e, hard = rounded(*self.approximations[0](*arguments))
+            m, e, hard = digits(*self.approximations[0](*arguments))
             for finer in self.approximations[1:]:
                 if hard.size == 0:
                     break
-                few, places, open_ = rounded(*finer(*(a[hard] for a in arguments)))
+                few, places, open_ = digits(*finer(*(a[hard] for a in arguments)))
                 m[hard], e[hard] = few, places
                 hard = hard[open_]
         for i in hard:
@@ -81,19 +85,17 @@ class Function:
         return m, e
 
 
-def rounded(
-    value: Floats, error: Floats | float
-) -> tuple[Mantissas, NDArray[np.int64], NDArray[np.intp]]:
+def digits(value: Floats, error: Floats | float) -> tuple[Ints, Ints, NDArray[np.intp]]:
     """Round float64 values to 8 digits; also return the indices that their error leaves open."""
     size = np.abs(value)
     zero = size == 0
     size[zero] = 1.0
-    e = decade(size)
+    e = decades(cells(size))
     scaled = size * ten(DIGITS - e)
     whole = np.floor(scaled)
     part = scaled - whole
     part -= 0.5
-    m = np.copysign(whole + (part >= 0), value).astype(np.int32)
+    m = np.copysign(whole + (part >= 0), value).astype(np.int64)
     m[zero] = 0
     e[zero] = ZERO
     # The power of ten and the product by it add two roundings.
@@ -102,10 +104,15 @@ def rounded(
     return m, e, np.flatnonzero(close)
 
 
-def plain(m: Mantissas, e: Exponents) -> Floats:
+def plain(m: Ints, e: Ints) -> Floats:
     """Return the values as float64, wrong by two roundings at most."""
     k = np.where(m == 0, 0, e) - np.int64(DIGITS)
     return m * ten(k)
+
+
+def _turning(v: Floats) -> Floats:
+    """Return how far the float64 next to an angle moves a function of slope 1."""
+    return np.abs(v) * UNIT
 
 
 # --- radians --------------------------------------------------------------------------------
@@ -115,7 +122,7 @@ def plain(m: Mantissas, e: Exponents) -> Floats:
 # of two float64, x + r, and add r times the derivative.
 
 
-def _remainder(m: Mantissas, e: Exponents) -> tuple[Floats, Floats]:
+def _remainder(m: Ints, e: Ints) -> tuple[Floats, Floats]:
     """Return float64 x and r whose sum is the operand, |r| <= UNIT |x|; r is NaN if unknown."""
     k = e.astype(np.int64) - DIGITS
     down = ten(np.clip(-k, 0, 22))
@@ -141,39 +148,39 @@ def _fine(value: Floats, slope: Floats, curve: Floats, r: Floats) -> Approximati
     return np.where(known, y, 1.0), np.where(known, relative, 1.0)
 
 
-def _sin(m: Mantissas, e: Exponents) -> Approximation:
+def _sin(m: Ints, e: Ints) -> Approximation:
     x = plain(m, e)
     y = np.sin(x)
     value, error = _coarse(y, x, np.ones_like(x))
     return value, np.where(e <= _LARGEST_EXPONENT, error, 1.0)
 
 
-def _sin_fine(m: Mantissas, e: Exponents) -> Approximation:
+def _sin_fine(m: Ints, e: Ints) -> Approximation:
     x, r = _remainder(m, e)
     y = np.sin(x)
     return _fine(y, np.cos(x), y, r)
 
 
-def _cos(m: Mantissas, e: Exponents) -> Approximation:
+def _cos(m: Ints, e: Ints) -> Approximation:
     x = plain(m, e)
     value, error = _coarse(np.cos(x), x, np.minimum(np.abs(x), 1.0))
     return value, np.where(e <= _LARGEST_EXPONENT, error, 1.0)
 
 
-def _cos_fine(m: Mantissas, e: Exponents) -> Approximation:
+def _cos_fine(m: Ints, e: Ints) -> Approximation:
     x, r = _remainder(m, e)
     y = np.cos(x)
     return _fine(y, -np.sin(x), y, r)
 
 
-def _tan(m: Mantissas, e: Exponents) -> Approximation:
+def _tan(m: Ints, e: Ints) -> Approximation:
     x = plain(m, e)
     y = np.tan(x)
     value, error = _coarse(y, x, 1 + y * y)
     return value, np.where(e <= _LARGEST_EXPONENT, error, 1.0)
 
 
-def _tan_fine(m: Mantissas, e: Exponents) -> Approximation:
+def _tan_fine(m: Ints, e: Ints) -> Approximation:
     x, r = _remainder(m, e)
     y = np.tan(x)
     slope = 1 + y * y
@@ -189,9 +196,22 @@ def _trigonometric(name: str) -> Callable[[int, int], tuple[int, int]]:
     return decided
 
 
-sin = Function("sin", (_sin, _sin_fine), _trigonometric("sin"))
-cos = Function("cos", (_cos, _cos_fine), _trigonometric("cos"))
-tan = Function("tan", (_tan, _tan_fine), _trigonometric("tan"))
+def _front_sin(v: Floats) -> Front:
+    return np.sin(v), _turning(v)
+
+
+def _front_cos(v: Floats) -> Front:
+    return np.cos(v), _turning(v)
+
+
+def _front_tan(v: Floats) -> Front:
+    y = np.tan(v)
+    return y, (1 + y * y) * _turning(v)
+
+
+sin = Function("sin", (_sin, _sin_fine), _trigonometric("sin"), _front_sin)
+cos = Function("cos", (_cos, _cos_fine), _trigonometric("cos"), _front_cos)
+tan = Function("tan", (_tan, _tan_fine), _trigonometric("tan"), _front_tan)
 
 
 # --- degrees --------------------------------------------------------------------------------
@@ -201,7 +221,7 @@ _DEGREE = np.pi / 180
 _TURN_TENS = np.array([1.0, 10.0, 100.0, 280.0])
 
 
-def _quarters(m: Mantissas, e: Exponents) -> tuple[Floats, Floats, NDArray[np.int64]]:
+def _quarters(m: Ints, e: Ints) -> tuple[Floats, Floats, NDArray[np.int64]]:
     """Reduce degrees exactly: n / p degrees within a half of a right angle, and right angles.
 
     Integers in float64 throughout: with k powers of ten before the point m 10^k is taken modulo
@@ -215,7 +235,7 @@ def _quarters(m: Mantissas, e: Exponents) -> tuple[Floats, Floats, NDArray[np.in
     return n - turns * quarter, p, turns.astype(np.int64) & 3
 
 
-def _wave(m: Mantissas, e: Exponents, ahead: int) -> Approximation:
+def _wave(m: Ints, e: Ints, ahead: int) -> Approximation:
     n, p, quadrant = _quarters(m, e)
     quadrant = (quadrant + ahead) & 3
     # sin, cos, -sin, -cos of the rest; cos of t is the sine of 90 - |t|.
@@ -225,15 +245,15 @@ def _wave(m: Mantissas, e: Exponents, ahead: int) -> Approximation:
     return np.where(quadrant & 2, -y, y), LIBRARY + 5 * UNIT
 
 
-def _sin_degrees(m: Mantissas, e: Exponents) -> Approximation:
+def _sin_degrees(m: Ints, e: Ints) -> Approximation:
     return _wave(m, e, 0)
 
 
-def _cos_degrees(m: Mantissas, e: Exponents) -> Approximation:
+def _cos_degrees(m: Ints, e: Ints) -> Approximation:
     return _wave(m, e, 1)
 
 
-def _tan_degrees(m: Mantissas, e: Exponents) -> Approximation:
+def _tan_degrees(m: Ints, e: Ints) -> Approximation:
     n, p, quadrant = _quarters(m, e)
     odd = (quadrant & 1) == 1
     if (odd & (n == 0)).any():
@@ -252,9 +272,32 @@ def _in_degrees(name: str) -> Callable[[int, int], tuple[int, int]]:
     return decided
 
 
-sin_degrees = Function("sin", (_sin_degrees,), _in_degrees("sin"))
-cos_degrees = Function("cos", (_cos_degrees,), _in_degrees("cos"))
-tan_degrees = Function("tan", (_tan_degrees,), _in_degrees("tan"))
+#: By right angles modulo 4: whether the rest counts from the next one, and the sign.
+_ODD = np.array([False, True, False, True])
+_SIGN = np.array([1.0, 1.0, -1.0, -1.0])
+
+
+def _front_wave(v: Floats, ahead: int) -> Front:
+    """Of multiples of 30 and 45 degrees the rest is exact, and the sine next to its value."""
+    turns = np.rint(v / 90.0)
+    rest = v - turns * 90.0
+    quadrant = (turns % 4.0).astype(np.int64) + ahead & 3
+    rest = np.where(_ODD[quadrant], 90.0 - np.abs(rest), rest)
+    return np.sin(rest * _DEGREE) * _SIGN[quadrant], _turning(v) * _DEGREE
+
+
+def _front_tan_degrees(v: Floats) -> Front:
+    turns = np.rint(v / 90.0)
+    rest = v - turns * 90.0
+    odd = turns % 2.0 == 1.0
+    y = np.tan(np.where(odd & (rest == 0), np.nan, rest) * _DEGREE)  # a pole, or too large to tell
+    np.divide(-1.0, y, y, where=odd)
+    return y, (1 + y * y) * _turning(v) * _DEGREE
+
+
+sin_degrees = Function("sin", (_sin_degrees,), _in_degrees("sin"), lambda v: _front_wave(v, 0))
+cos_degrees = Function("cos", (_cos_degrees,), _in_degrees("cos"), lambda v: _front_wave(v, 1))
+tan_degrees = Function("tan", (_tan_degrees,), _in_degrees("tan"), _front_tan_degrees)
 
 
 # --- inverses -------------------------------------------------------------------------------
@@ -267,7 +310,7 @@ def _angle(y: Floats, x: Floats, unit: float) -> Approximation:
     return np.arctan2(y, x) * unit, LIBRARY + 12 * UNIT
 
 
-def _leg(m: Mantissas, e: Exponents) -> Floats:
+def _leg(m: Ints, e: Ints) -> Floats:
     """Return sqrt(1 - x^2) with a relative error of a few UNIT, also for |x| next to 1."""
     if ((np.abs(m) > LOW) & (e == 1) | (e > 1)).any():
         raise ValueError("arc sine or arc cosine of a number beyond 1")
@@ -276,8 +319,27 @@ def _leg(m: Mantissas, e: Exponents) -> Floats:
     return np.asarray(np.sqrt((1e8 - x) * (1e8 + x)) * 1e-8)
 
 
+def _front_asin(v: Floats, unit: float) -> Front:
+    return _bounded(v, np.arcsin, unit)
+
+
+def _front_acos(v: Floats, unit: float) -> Front:
+    return _bounded(v, np.arccos, unit)
+
+
+def _bounded(v: Floats, function: Callable[[Floats], Floats], unit: float) -> Front:
+    """The slope is 1 / sqrt(1 - x^2); next to 1 it makes everything doubtful."""
+    size = np.abs(v)
+    if size.size and size.item(size.argmax()) > 1.0:
+        raise ValueError("arc sine or arc cosine of a number beyond 1")
+    leg = np.sqrt(np.maximum((1.0 - size) * (1.0 + size), 1e-17))
+    return function(v) * unit, size * (UNIT * unit) / leg
+
+
 def _inverse(
-    name: str, approximate: Callable[[Mantissas, Exponents, float], Approximation]
+    name: str,
+    approximate: Callable[[Ints, Ints, float], Approximation],
+    front: Callable[[Floats, float], Front],
 ) -> tuple[Function, Function]:
     """Return the function in radians and in degrees."""
 
@@ -289,21 +351,33 @@ def _inverse(
 
             return exact.decide(evaluate)
 
-        return Function(name, (lambda m, e: approximate(m, e, unit),), decided)
+        return Function(
+            name, (lambda m, e: approximate(m, e, unit),), decided, lambda v: front(v, unit)
+        )
 
     return make(1.0, False), make(1 / _DEGREE, True)
 
 
-asin, asin_degrees = _inverse("asin", lambda m, e, unit: _angle(plain(m, e), _leg(m, e), unit))
-acos, acos_degrees = _inverse("acos", lambda m, e, unit: _angle(_leg(m, e), plain(m, e), unit))
+asin, asin_degrees = _inverse(
+    "asin", lambda m, e, unit: _angle(plain(m, e), _leg(m, e), unit), _front_asin
+)
+acos, acos_degrees = _inverse(
+    "acos", lambda m, e, unit: _angle(_leg(m, e), plain(m, e), unit), _front_acos
+)
 atan, atan_degrees = _inverse(
-    "atan", lambda m, e, unit: (np.arctan(plain(m, e)) * unit, LIBRARY + 8 * UNIT)
+    "atan",
+    lambda m, e, unit: (np.arctan(plain(m, e)) * unit, LIBRARY + 8 * UNIT),
+    lambda v, unit: (np.arctan(v) * unit, None),
 )
 
 
 def _atan2(unit: float, degrees: bool) -> Function:
-    def approximate(ym: Mantissas, ye: Exponents, xm: Mantissas, xe: Exponents) -> Approximation:
+    def approximate(ym: Ints, ye: Ints, xm: Ints, xe: Ints) -> Approximation:
         return _angle(plain(ym, ye), plain(xm, xe), unit)
+
+    def front(y: Floats, x: Floats) -> Front:
+        # Of the two zeros of float64 the one without a sign, or else the angle may be pi.
+        return np.arctan2(y + 0.0, x + 0.0) * unit, None
 
     def decided(ym: int, ye: int, xm: int, xe: int) -> tuple[int, int]:
         def evaluate(ctx: Any) -> Any:
@@ -312,14 +386,14 @@ def _atan2(unit: float, degrees: bool) -> Function:
 
         return exact.decide(evaluate)
 
-    return Function("atan2", (approximate,), decided)
+    return Function("atan2", (approximate,), decided, front)
 
 
 atan2, atan2_degrees = _atan2(1.0, False), _atan2(1 / _DEGREE, True)
 
 
 def _scaled_angle(factor: float, degrees: bool) -> Function:
-    def approximate(m: Mantissas, e: Exponents) -> Approximation:
+    def approximate(m: Ints, e: Ints) -> Approximation:
         return plain(m, e) * factor, 6 * UNIT
 
     def decided(m: int, e: int) -> tuple[int, int]:
@@ -329,7 +403,12 @@ def _scaled_angle(factor: float, degrees: bool) -> Function:
 
         return exact.decide(evaluate)
 
-    return Function("degrees" if degrees else "radians", (approximate,), decided)
+    return Function(
+        "degrees" if degrees else "radians",
+        (approximate,),
+        decided,
+        lambda v: (v * factor, None),
+    )
 
 
 to_radians, to_degrees = _scaled_angle(_DEGREE, False), _scaled_angle(1 / _DEGREE, True)
@@ -338,7 +417,7 @@ to_radians, to_degrees = _scaled_angle(_DEGREE, False), _scaled_angle(1 / _DEGRE
 # --- hypotenuse and power -------------------------------------------------------------------
 
 
-def _hypot(am: Mantissas, ae: Exponents, bm: Mantissas, be: Exponents) -> Approximation:
+def _hypot(am: Ints, ae: Ints, bm: Ints, be: Ints) -> Approximation:
     a, b = plain(am, ae), plain(bm, be)
     return np.sqrt(a * a + b * b), 8 * UNIT
 
@@ -349,10 +428,10 @@ def _decide_hypot(am: int, ae: int, bm: int, be: int) -> tuple[int, int]:
     return exact.hypotenuse(am, ae, bm, be)
 
 
-hypot = Function("hypot", (_hypot,), _decide_hypot)
+hypot = Function("hypot", (_hypot,), _decide_hypot, lambda a, b: (np.sqrt(a * a + b * b), None))
 
 
-def _power(xm: Mantissas, xe: Exponents, ym: Mantissas, ye: Exponents) -> Approximation:
+def _power(xm: Ints, xe: Ints, ym: Ints, ye: Ints) -> Approximation:
     """Compute |x| ** y with the sign of an odd power; both operands as pairs of float64."""
     k = np.where(ym == 0, 0, ye) - np.int64(DIGITS)
     unit = 10 ** np.clip(-k, 0, DIGITS)  # beyond 8 places no 8-digit number is an integer
@@ -393,26 +472,14 @@ power = Function("power", (_power,), _decide_power)
 # --- to integers ----------------------------------------------------------------------------
 
 
-def _whole(m: Mantissas, e: Exponents, how: str) -> Parts:
-    """Round to an integer: 'away' (ties away from zero), 'floor', 'ceil' or 'trunc'."""
-    k = e.astype(np.int64) - DIGITS
-    fraction = k < 0
-    # Exact for up to 8 places; beyond, the quotient is only known to be below 0.1.
-    q = m / ten(np.clip(-k, 0, 9))
+def whole(values: Floats, how: str) -> Floats:
+    """Return values rounded to integers: 'away' (ties away from zero), 'floor', 'ceil', 'trunc'.
+
+    A half is an exact float64, and so are integers of 8 digits; other numbers are further from a
+    half or an integer than the floats that name them are from them. Larger ones are even integers
+    already where float64 ends, so that adding a half does not move them.
+    """
     if how == "away":
-        q = np.trunc(q + q) - np.trunc(q)
-    else:
-        q = {"floor": np.floor, "ceil": np.ceil, "trunc": np.trunc}[how](q)
-    size = np.abs(q)
-    digits = np.where(size == 0, ZERO, decade(np.maximum(size, 1.0)))
-    whole = (q * ten(np.clip(DIGITS - digits, 0, DIGITS))).astype(np.int32)
-    # 99999999.5 is no 8-digit number, so rounding never gives 1e8.
-    assert not whole.size or np.abs(whole).max() < HIGH
-    out_m = np.where(fraction, whole, m).astype(np.int32)
-    out_e = np.where(fraction, digits, e).astype(np.int16)
-    return out_m, out_e
-
-
-def whole(a: Parts, how: str) -> Parts:
-    """Return a rounded to integers: 'away' (ties away from zero), 'floor', 'ceil' or 'trunc'."""
-    return _whole(a[0], a[1], how)
+        return np.asarray(np.trunc(values + np.copysign(0.5, values)))
+    result: Floats = {"floor": np.floor, "ceil": np.ceil, "trunc": np.trunc}[how](values)
+    return result

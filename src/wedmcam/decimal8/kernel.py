@@ -1,286 +1,193 @@
-"""The arithmetic itself, ``+ - * /`` and square root, on arrays of mantissas and exponents.
+"""``+ - * /`` and square root on arrays: a float64 operation, rounded; and the same in integers.
 
-Everything is float64 on integers and in pieces that stay in the processor's cache. float64 has 53
-bits, an 8-digit mantissa 27; so sums are exact where it matters, and products and quotients are
-wrong by less than `DOUBT` of a last digit. Results nearer to a tie than that are picked out and
-rounded again in int64. No result is rounded twice.
-
-Operands are one-dimensional, of one length or of length 1; ``(mantissas int32, exponents int16)``.
+The integers decide where float64 is in doubt. They are plain int64: products below 1e16,
+dividends below 1e16, aligned sums below 1e18.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO, flag_underflow
+from wedmcam.decimal8.form import DIGITS, ZERO
+from wedmcam.decimal8.held import Floats, Ints, parts
+from wedmcam.decimal8.rounding import Settle, piecewise, rounded
 
-Mantissas = NDArray[np.int32]
-Exponents = NDArray[np.int16]
-Parts = tuple[Mantissas, Exponents]
-Floats = NDArray[np.float64]
-
-#: Elements computed at a time: a mebibyte of scratch, which fits a level 2 cache.
-PIECE = 32768
-
-#: How near to the middle, in units of the last digit, a float64 quotient or product may come and
-#: still be believed: four roundings of a number below 1e8 are 5e-8.
-DOUBT = 1e-7
-
-#: A number eleven powers of ten below another cannot change the rounding of their sum.
-FAR = 11
-#: What the first and the second of two numbers are divided by, by the difference of their
-#: exponents from -FAR to FAR: the one with the smaller exponent by 10^|difference|.
-_ALIGN_SECOND = np.array([1.0] * FAR + [10.0**k for k in range(FAR + 1)])
-_ALIGN_FIRST = _ALIGN_SECOND[::-1].copy()
-_HUNDREDS = np.array([1.0, 10.0, 100.0])
-_EIGHT_SEVEN = np.array([1e8, 1e7])
 _TENS = 10 ** np.arange(19, dtype=np.int64)
+#: A number more than ten powers of ten below another changes the rounding of their sum by its
+#: sign alone.
+_FAR = 10
+
+Parts = tuple[Ints, Ints]
 
 
-def piecewise(function: Callable[..., None], *operands: Parts) -> Parts:
-    """Run ``function(*operand pieces, mantissas out, exponents out, work)`` over all pieces.
+# --- in float64 -----------------------------------------------------------------------------
 
-    Args:
-        function: writes the rounded results of one piece into its output arrays, the range not
-            yet checked. ``work`` is a float64 scratch array of four rows.
-        operands: one-dimensional, of one length or of length 1.
 
-    Raises:
-        OverflowError: a result has an exponent above 99.
+def add(a: Floats, b: Floats) -> Floats:
+    """Return a + b."""
+    return piecewise(_add, a, b)
+
+
+def subtract(a: Floats, b: Floats) -> Floats:
+    """Return a - b."""
+    return piecewise(_subtract, a, b)
+
+
+def _add(start: int, a: Floats, b: Floats) -> Floats:
+    return rounded(np.add(a, b), (a, b), _settle_sum, start, None, _alike, True)
+
+
+def _subtract(start: int, a: Floats, b: Floats) -> Floats:
+    return rounded(np.subtract(a, b), (a, b), _settle_difference, start, None, _alike, True)
+
+
+def _alike(a: Floats, b: Floats) -> bool:
+    """Whether a sum next to a tie is one, because no exponents differ by more than 5.
+
+    Sums are whole multiples of 1e-6 of their last digit then. Where digits cancel, a sum has no
+    more than 8 and is wrong by less than 0.3 of a last digit: no tie.
     """
-    n = 1
-    for m, _ in operands:
-        n = n if m.size == 1 else m.size
-    mantissas, exponents = np.empty(n, np.int32), np.empty(n, np.int16)
-    work = np.empty((4, min(n, PIECE)))
-    for start in range(0, n, PIECE):
-        stop = min(start + PIECE, n)
-        arguments = []
-        for m, e in operands:
-            arguments += [m, e] if m.size == 1 else [m[start:stop], e[start:stop]]
-        m, e = mantissas[start:stop], exponents[start:stop]
-        function(*arguments, m, e, work[:, : stop - start])
-        in_range(m, e, start)
-    return mantissas, exponents
+    ratio = np.abs(a / b)  # beside zero no sum is near to a tie
+    return bool(ratio.item(ratio.argmin()) >= 1e-5 and ratio.item(ratio.argmax()) <= 1e5)
 
 
-def in_range(m: Mantissas, e: NDArray[Any], start: int = 0) -> None:
-    """Bring one piece into the format: rounding up to 1e8, zero, underflow, overflow.
-
-    Args:
-        m: mantissas, corrected in place.
-        e: exponents, corrected in place.
-        start: index of the first element, for the message.
-    """
-    if m.size == 0:
-        return
-    if m.max() == HIGH or m.min() == -HIGH:
-        up = np.flatnonzero(np.abs(m) == HIGH)
-        m[up] = np.sign(m[up]) * LOW
-        e[up] += 1
-    if e.min() < -EXPONENT_MAX or e.max() > EXPONENT_MAX:
-        zero = m == 0
-        over = np.flatnonzero((e > EXPONENT_MAX) & ~zero)
-        if over.size:
-            i = int(over[0])
-            raise OverflowError(
-                f"element {start + i} has the exponent {int(e[i])}; 8-digit numbers end at 10^99"
-            )
-        under = (e < -EXPONENT_MAX) & ~zero
-        if under.any():
-            flag_underflow(int(np.count_nonzero(under)))
-            m[under] = 0
-        e[zero | under] = ZERO
-
-
-def nearest(
-    q: Floats, m: Mantissas, spare: Floats, exact: Callable[[NDArray[np.intp]], Any]
-) -> None:
-    """Round quotients to integers; those next to a tie are left to ``exact(indices)``.
-
-    Args:
-        q: magnitude below 1e8, wrong by less than `DOUBT`.
-        m: receives the integers.
-        spare: scratch; q is overwritten as well.
-        exact: returns the right integers of the elements asked for.
-    """
-    np.rint(q, out=spare)
-    np.copyto(m, spare, casting="unsafe")
-    np.subtract(q, spare, out=q)
-    if q.max() > 0.5 - DOUBT or q.min() < DOUBT - 0.5:
-        hard = np.flatnonzero(np.abs(q) > 0.5 - DOUBT)
-        m[hard] = exact(hard)
-
-
-def _half_away(dividend: NDArray[np.int64], divisor: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return dividend / divisor > 0 in integers, ties away from zero."""
-    size = np.abs(dividend)
-    quotient: NDArray[np.int64] = np.sign(dividend) * ((size + divisor // 2) // divisor)
-    return quotient
-
-
-def _pick(a: NDArray[Any], i: NDArray[np.intp]) -> NDArray[np.int64]:
-    return (np.broadcast_to(a, i.shape) if a.size == 1 else a[i]).astype(np.int64)
-
-
-def multiply(a: Parts, b: Parts) -> Parts:
+def multiply(a: Floats, b: Floats) -> Floats:
     """Return a * b."""
     return piecewise(_multiply, a, b)
 
 
-def _multiply(
-    am: Mantissas, ae: Exponents, bm: Mantissas, be: Exponents,
-    m: Mantissas, e: Exponents, work: Floats,
-) -> None:  # fmt: skip
-    product, scaled, scale = work[0], work[1], work[2]
-    np.copyto(product, am)
-    np.copyto(scaled, bm)
-    np.multiply(product, scaled, out=product)
-    # 1e15 < 2^53: the comparison is exact though the larger products are not.
-    np.abs(product, out=scaled)
-    short = np.less(scaled, 1e15).view(np.int8)
-    np.copyto(scale, short)
-    np.multiply(scale, 9e-8, out=scale)
-    np.add(scale, 1e-8, out=scale)
-    np.multiply(product, scale, out=product)
+def multiply_short(a: Floats, b: Floats) -> Floats:
+    """Return a * b, b numbers of at most 5 digits.
 
-    def exact(i: NDArray[np.intp]) -> Any:
-        whole = _pick(am, i) * _pick(bm, i)
-        return _half_away(whole, np.where(np.abs(whole) < 10**15, _TENS[7], _TENS[8]))
-
-    nearest(product, m, scaled, exact)
-    np.add(ae, be, out=e)
-    np.subtract(e, short, out=e)
+    The product is a whole multiple of 1e-5 of its last digit: that near to a tie it is one.
+    """
+    return piecewise(_multiply_short, a, b)
 
 
-def divide(a: Parts, b: Parts) -> Parts:
+def _multiply(start: int, a: Floats, b: Floats) -> Floats:
+    return rounded(np.multiply(a, b), (a, b), _settle_product, start)
+
+
+def _multiply_short(start: int, a: Floats, b: Floats) -> Floats:
+    return rounded(np.multiply(a, b), (a, b), _settle_product, start, None, _always)
+
+
+def _always(*_: Floats) -> bool:
+    return True
+
+
+def divide(a: Floats, b: Floats) -> Floats:
     """Return a / b.
 
     Raises:
         ZeroDivisionError: a divisor is 0.
     """
+    if np.count_nonzero(b) != b.size:
+        raise ZeroDivisionError("division by zero")
     return piecewise(_divide, a, b)
 
 
-def _divide(
-    am: Mantissas, ae: Exponents, bm: Mantissas, be: Exponents,
-    m: Mantissas, e: Exponents, work: Floats,
-) -> None:  # fmt: skip
-    if be.min() == ZERO:
+def divide_short(a: Floats, b: Floats) -> Floats:
+    """Return a / b, b numbers of at most 5 digits.
+
+    The quotient is away from a tie by 5e-6 of its last digit, or is one.
+    """
+    if np.count_nonzero(b) != b.size:
         raise ZeroDivisionError("division by zero")
-    quotient, scaled = work[0], work[1]
-    np.copyto(quotient, am)
-    np.copyto(scaled, bm)
-    np.divide(quotient, scaled, out=quotient)
-    np.abs(quotient, out=scaled)
-    whole = np.greater_equal(scaled, 1.0).view(np.int8)
-    np.copyto(scaled, whole)
-    np.multiply(scaled, -9e7, out=scaled)
-    np.add(scaled, 1e8, out=scaled)
-    np.multiply(quotient, scaled, out=quotient)
-
-    def exact(i: NDArray[np.intp]) -> Any:
-        x, y = _pick(am, i), _pick(bm, i)
-        scale = np.where(np.abs(x) >= np.abs(y), _TENS[7], _TENS[8])
-        return _half_away(x * np.sign(y) * scale, np.abs(y))
-
-    nearest(quotient, m, scaled, exact)
-    np.subtract(ae, be, out=e)
-    np.add(e, whole, out=e)
+    return piecewise(_divide_short, a, b)
 
 
-def square_root(a: Parts) -> Parts:
+def _divide(start: int, a: Floats, b: Floats) -> Floats:
+    return rounded(np.divide(a, b), (a, b), _settle_quotient, start)
+
+
+def _divide_short(start: int, a: Floats, b: Floats) -> Floats:
+    return rounded(np.divide(a, b), (a, b), _settle_quotient, start, None, _always)
+
+
+def square_root(a: Floats) -> Floats:
     """Return the square root of a.
 
     Raises:
         ValueError: a number is negative.
     """
+    if a.size and a.item(a.argmin()) < 0:
+        raise ValueError("square root of a negative number")
     return piecewise(_square_root, a)
 
 
-def _square_root(am: Mantissas, ae: Exponents, m: Mantissas, e: Exponents, work: Floats) -> None:
-    if am.min() < 0:
-        raise ValueError("square root of a negative number")
-    root, scaled = work[0], work[1]
-    odd = np.bitwise_and(ae, 1)
-    _EIGHT_SEVEN.take(odd, out=scaled, mode="clip")
-    np.multiply(am, scaled, out=root)  # below 1e16 and divisible by 2^7: exact
-    np.sqrt(root, out=root)
-
-    def exact(i: NDArray[np.intp]) -> Any:
-        # (r + 1/2)^2 = r^2 + r + 1/4: no integer, so there are no ties.
-        square = _pick(am, i) * _TENS[DIGITS - _pick(odd, i)]
-        r = np.floor(np.sqrt(square.astype(np.float64))).astype(np.int64)
-        r -= r * r > square
-        return r + (square > r * r + r)
-
-    nearest(root, m, scaled, exact)
-    np.add(ae, odd, out=e)
-    np.right_shift(e, 1, out=e)
+def _square_root(start: int, a: Floats) -> Floats:
+    return rounded(np.sqrt(a), (a,), _settle_root, start)
 
 
-def subtract(a: Parts, b: Parts) -> Parts:
-    """Return a - b."""
-    return piecewise(_add, a, (np.negative(b[0]), b[1]))
+# --- in integers ----------------------------------------------------------------------------
 
 
-def add(a: Parts, b: Parts) -> Parts:
+def _half_away(dividend: Ints, divisor: NDArray[np.int64]) -> Ints:
+    """Return dividend / divisor > 0 in integers, ties away from zero."""
+    quotient: Ints = np.sign(dividend) * ((np.abs(dividend) + divisor // 2) // divisor)
+    return quotient
+
+
+def exact_integer(n: Ints, power: NDArray[np.int64]) -> Parts:
+    """Return mantissas and exponents of ``n * 10**power``, |n| < 2^63; 1e8 is left as it is."""
+    digits = np.searchsorted(_TENS, np.abs(n), side="right")
+    lost = digits - DIGITS
+    m = np.where(
+        lost > 0, _half_away(n, _TENS[np.maximum(lost, 0)]), n * _TENS[np.maximum(-lost, 0)]
+    )
+    return m, np.where(n == 0, ZERO, digits + power)
+
+
+def exact_sum(am: Ints, ae: Ints, bm: Ints, be: Ints) -> Parts:
     """Return a + b."""
-    return piecewise(_add, a, b)
+    swap = ae < be
+    hm, he = np.where(swap, bm, am), np.where(swap, be, ae)
+    lm, le = np.where(swap, am, bm), np.where(swap, ae, be)
+    apart = np.minimum(he - le, _FAR)
+    low = np.where(he - le > _FAR, np.sign(lm), lm)
+    return exact_integer(hm * _TENS[apart] + low, he - DIGITS - apart)
 
 
-def _add(
-    am: Mantissas, ae: Exponents, bm: Mantissas, be: Exponents,
-    m: Mantissas, e: Exponents, work: Floats,
-) -> None:  # fmt: skip
-    """Add in units of a tenth of the last digit of the operand with the larger exponent.
+def exact_difference(am: Ints, ae: Ints, bm: Ints, be: Ints) -> Parts:
+    """Return a - b."""
+    return exact_sum(am, ae, -bm, be)
 
-    There S = 10 hi + 10 lo / 10^d, one rounding in the quotient and one in the sum. It is rounded
-    to 8 digits at 100, 10 or 1 of these units, where a tie is an integer or a half. If S is a tie,
-    it is computed exactly. If not, it differs from one by at least 10^(1-d); against that the
-    spacing of float64 is small enough for every d that comes near to a tie there (d <= 8 at tens,
-    with |S| < 1.074e9 and spacing 1.2e-7; d = 9 only where |S| < 1e8, spacing 1.5e-8; from 10 on
-    lo is below 0.1 units and decides nothing). So S is on its side of every tie, and the division
-    by 10 or 100, rounded correctly, leaves it there. Below 1e7 there was cancellation, which
-    needs d <= 1, and S is an exact integer of at most 8 digits.
-    """
-    s, t, other, d = work[0], work[1], work[2], work[3].view(np.int64)
-    # Indices are brought into range first: `take` mispredicts the branch where it clips itself.
-    np.subtract(ae, be, out=e)
-    np.maximum(e, -FAR, out=e)
-    np.minimum(e, FAR, out=e)
-    np.add(e, FAR, out=d)
-    np.multiply(am, 10.0, out=s)
-    _ALIGN_FIRST.take(d, out=t, mode="clip")
-    np.divide(s, t, out=s)
-    np.multiply(bm, 10.0, out=other)
-    _ALIGN_SECOND.take(d, out=t, mode="clip")
-    np.divide(other, t, out=other)
-    np.add(s, other, out=s)
-    np.maximum(ae, be, out=e)
 
-    np.abs(s, out=t)
-    cancelled = np.less(t, 1e7)
-    shift = np.add(np.greater_equal(t, 1e8).view(np.int8), np.greater_equal(t, 1e9).view(np.int8))
-    if cancelled.any():
-        few = np.flatnonzero(cancelled)
-        exact = s[few].astype(np.int64)
-        digits = np.searchsorted(_TENS[:DIGITS], np.abs(exact), side="right")
-    _HUNDREDS.take(shift, out=t, mode="clip")
-    np.divide(s, t, out=s)
-    # trunc(2 s) - trunc(s) rounds ties away from zero.
-    np.add(s, s, out=t)
-    np.trunc(t, out=t)
-    np.trunc(s, out=s)
-    np.subtract(t, s, out=s)
-    np.copyto(m, s, casting="unsafe")
-    np.add(e, shift, out=e)
-    np.subtract(e, 1, out=e)
-    if cancelled.any():
-        m[few] = exact * _TENS[DIGITS - digits]
-        e[few] -= DIGITS - digits
-        e[few[exact == 0]] = ZERO
+def exact_product(am: Ints, ae: Ints, bm: Ints, be: Ints) -> Parts:
+    """Return a * b."""
+    return exact_integer(am * bm, ae + be - 2 * DIGITS)
+
+
+def exact_quotient(am: Ints, ae: Ints, bm: Ints, be: Ints) -> Parts:
+    """Return a / b, b not 0."""
+    whole = np.abs(am) >= np.abs(bm)
+    dividend = am * np.sign(bm) * _TENS[DIGITS - whole]
+    return _half_away(dividend, np.abs(bm)), np.where(am == 0, ZERO, ae - be + whole)
+
+
+def exact_root(am: Ints, ae: Ints) -> Parts:
+    """Return the square root of a."""
+    odd = ae & 1
+    square = am * _TENS[DIGITS - odd]
+    r = np.sqrt(square.astype(np.float64)).astype(np.int64)
+    r -= r * r > square
+    # (r + 1/2)^2 = r^2 + r + 1/4 is no integer, so there are no ties.
+    return r + (square > r * r + r), np.where(am == 0, ZERO, (ae + odd) >> 1)
+
+
+def settle(exact: Callable[..., Parts]) -> Settle:
+    """Return what settles elements by a function of mantissas and exponents."""
+
+    def settled(*operands: Floats) -> Parts:
+        return exact(*(part for a in operands for part in parts(a)))
+
+    return settled
+
+
+_settle_sum, _settle_difference = settle(exact_sum), settle(exact_difference)
+_settle_product, _settle_quotient = settle(exact_product), settle(exact_quotient)
+_settle_root = settle(exact_root)

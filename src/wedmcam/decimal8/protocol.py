@@ -37,8 +37,8 @@ _UNARY: dict[Any, Callable[[Decimal8Array], Any]] = {
     np.floor: Decimal8Array.floor,
     np.ceil: Decimal8Array.ceil,
     np.trunc: Decimal8Array.trunc,
-    np.sign: lambda a: as_array(np.sign(a._m)),
-    np.signbit: lambda a: a._m < 0,
+    np.sign: lambda a: Decimal8Array._of(np.sign(a._v)),
+    np.signbit: lambda a: a._v < 0,
     np.isfinite: lambda a: np.ones(a.shape, bool),
     np.isnan: lambda a: np.zeros(a.shape, bool),
     np.isinf: lambda a: np.zeros(a.shape, bool),
@@ -101,7 +101,7 @@ def where(condition: Any, a: Any, b: Any) -> Decimal8Array:
     Decimal8Array(['1', '0'])
     """
     a, b = as_array(a), as_array(b)
-    return Decimal8Array._of((np.where(condition, a._m, b._m), np.where(condition, a._e, b._e)))
+    return Decimal8Array._of(np.where(condition, a._v, b._v))
 
 
 def sum_(a: Any, axis: Any = None) -> Any:
@@ -109,16 +109,16 @@ def sum_(a: Any, axis: Any = None) -> Any:
     a = as_array(a)
     if axis is None or a.ndim == 1:
         return a.sum()
-    m, e = np.moveaxis(a._m, axis, 0), np.moveaxis(a._e, axis, 0)
-    total = as_array(np.zeros(m.shape[1:], np.int64))
-    for row in zip(m, e, strict=True):
-        total = total + Decimal8Array._of(row)
+    lines = np.moveaxis(a._v, axis, 0)
+    total = as_array(np.zeros(lines.shape[1:]))
+    for line in lines:
+        total = total + Decimal8Array._of(line)
     return total
 
 
 def _array_equal(a: Any, b: Any) -> bool:
     a, b = as_array(a), as_array(b)
-    return a.shape == b.shape and bool((a.key() == b.key()).all())
+    return a.shape == b.shape and bool((a._v == b._v).all())
 
 
 def _filled(value: int) -> Callable[..., Decimal8Array]:
@@ -130,7 +130,7 @@ def _filled(value: int) -> Callable[..., Decimal8Array]:
 
 def _where(condition: Any, *both: Any) -> Any:
     if isinstance(condition, Decimal8Array):
-        condition = condition._m != 0
+        condition = condition._v != 0
     return where(condition, *both) if both else np.where(condition)
 
 
@@ -150,25 +150,20 @@ _FUNCTIONS: dict[Any, Callable[..., Any]] = {
     np.around: _round,
     np.zeros_like: _filled(0),
     np.ones_like: _filled(1),
-    np.full_like: lambda a, value: Decimal8Array._of(
-        (
-            np.full(a.shape, as_array(value)._m, np.int32),
-            np.full(a.shape, as_array(value)._e, np.int16),
-        )
-    ),
+    np.full_like: lambda a, value: Decimal8Array._of(np.full(a.shape, as_array(value)._v)),
     np.shape: lambda a: a.shape,
     np.ndim: lambda a: a.ndim,
     np.size: lambda a: a.size,
-    np.argsort: lambda a, **how: np.argsort(a.key(), **how),
-    np.argmax: lambda a, **how: np.argmax(a.key(), **how),
-    np.argmin: lambda a, **how: np.argmin(a.key(), **how),
-    np.sort: lambda a: a[np.argsort(a.key(), kind="stable")],
+    np.argsort: lambda a, **how: np.argsort(a._v, **how),
+    np.argmax: lambda a, **how: np.argmax(a._v, **how),
+    np.argmin: lambda a, **how: np.argmin(a._v, **how),
+    np.sort: lambda a: a[np.argsort(a._v, kind="stable")],
     np.clip: lambda a, low, high: np.minimum(np.maximum(a, low), high),
-    np.count_nonzero: lambda a: np.count_nonzero(a._m),
-    np.flatnonzero: lambda a: np.flatnonzero(a._m),
+    np.count_nonzero: lambda a: np.count_nonzero(a._v),
+    np.flatnonzero: lambda a: np.flatnonzero(a._v),
     np.diff: lambda a: a[1:] - a[:-1],
 }
-#: Functions that only move elements: done to mantissas and exponents alike.
+#: Functions that only move elements.
 _MOVING = {
     np.concatenate, np.stack, np.hstack, np.vstack, np.column_stack, np.append, np.insert,
     np.delete, np.reshape, np.ravel, np.transpose, np.squeeze, np.expand_dims,
@@ -189,14 +184,13 @@ def function_call(function: Any, args: Any, kwargs: Any) -> Any:
             args = (as_array(args[0]), as_array(args[1]), *args[2:])
         elif function is np.insert:
             args = (*args[:2], as_array(args[2]), *args[3:])
-        m = function(*_each(args, 0), **kwargs)
-        return Decimal8Array._of((m, function(*_each(args, 1), **kwargs)))
+        return Decimal8Array._of(function(*_plain(args), **kwargs))
     return NotImplemented
 
 
-def _each(args: Any, part: int) -> Any:
+def _plain(args: Any) -> Any:
     if isinstance(args, Decimal8Array):
-        return (args._m, args._e)[part]
+        return args._v
     if isinstance(args, (tuple, list)):
-        return type(args)(_each(x, part) for x in args)
+        return type(args)(_plain(x) for x in args)
     return args

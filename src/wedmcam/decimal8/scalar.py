@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from wedmcam.decimal8.form import DIGITS, in_range, round_integer
+from wedmcam.decimal8.form import DIGITS, ZERO, in_range, round_integer
 from wedmcam.decimal8.methods import Methods
 
 _EXACT = decimal.Context(prec=decimal.MAX_PREC, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN)
@@ -94,6 +94,13 @@ class Decimal8(Methods):
         return self
 
     @classmethod
+    def _named(cls, value: float) -> Decimal8:
+        """Return the number that a float is the nearest float64 to."""
+        digits, _, power = f"{value:.7e}".partition("e")
+        m = int(digits.replace(".", ""))
+        return cls._of(m, int(power) + 1 if m else ZERO)
+
+    @classmethod
     def _rounded(cls, n: int, power: int) -> Decimal8:
         return cls._of(*round_integer(n, power))
 
@@ -108,8 +115,7 @@ class Decimal8(Methods):
 
         if len(data) != 6:
             raise ValueError(f"an 8-digit decimal is 6 bytes, not {len(data)}")
-        m, e = from_bcd(np.frombuffer(data, np.uint8).reshape(1, 6))
-        return cls._of(int(m[0]), int(e[0]))
+        return cls._named(from_bcd(np.frombuffer(data, np.uint8).reshape(1, 6)).item())
 
     def to_bytes(self) -> bytes:
         """Return the 6 bytes of BCD: signs, exponent, significand."""
@@ -201,14 +207,12 @@ class Decimal8(Methods):
         from wedmcam.decimal8 import functions
 
         function = getattr(functions, name)
-        m, e = function(*(_arrays(*parts_of(x)) for x in (self, *others)))
-        return Decimal8._of(int(m[0]), int(e[0]))
+        return Decimal8._named(function(*(_array(Decimal8(x)) for x in (self, *others))).item())
 
     def _whole(self, how: str) -> Decimal8:
         from wedmcam.decimal8 import functions
 
-        m, e = functions.whole(_arrays(self._m, self._e), how)
-        return Decimal8._of(int(m[0]), int(e[0]))
+        return Decimal8._named(functions.whole(_array(self), how).item())
 
     # --- comparison -------------------------------------------------------------------------
 
@@ -288,8 +292,8 @@ class Decimal8(Methods):
         return ufunc_call(ufunc, method, inputs, kwargs)
 
 
-def _arrays(m: int, e: int) -> tuple[Any, Any]:
-    return np.array([m], np.int32), np.array([e], np.int16)
+def _array(x: Decimal8) -> Any:
+    return np.array([float(x)])
 
 
 def _comparable(other: Any) -> Decimal | float | int | None:

@@ -41,6 +41,7 @@ class Compilation:
         options: as asked for.
         findings: everything that was found, in order.
         stage: where it stopped; empty when ``ok``.
+        lowered: the program as it was encoded: with roles and with what each block was drawn by.
     """
 
     ok: bool
@@ -54,6 +55,7 @@ class Compilation:
     options: Options
     findings: tuple[Diagnostic, ...]
     stage: str = ""
+    lowered: Program | None = None
 
     @property
     def status(self) -> int:
@@ -98,7 +100,7 @@ def compile(
     machine = machine_for(to, profile)
     options = options if options is not None else options_in_mm(**mm)
     run = Run(options.strict)
-    drawn = plan = program = verdict = None
+    drawn = plan = lowered = program = verdict = None
     out: bytes | None = None
     stage = ""
     try:
@@ -127,7 +129,17 @@ def compile(
         options,
         tuple(run.found),
         stage,
+        lowered,
     )
+
+
+def source_map(made: Compilation) -> dict[str, Any]:
+    """Return which block was drawn by what, as plain data (docs/map.md)."""
+    from wedmcam.source_map import source_map as map_of
+
+    if not made.ok or made.lowered is None or made.program is None:
+        raise WrongUse("a map is of a proven program")
+    return map_of(made.lowered, made.program, made.machine, summary=made.summary)
 
 
 def arithmetic_difference(made: Compilation, source: Source) -> float | None:

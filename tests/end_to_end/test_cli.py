@@ -248,3 +248,19 @@ def test_json_says_by_how_much_the_arithmetics_differ(tmp_path):
     assert b"wire paths up to 0.00" in done.stderr
     done = wedmcam("compile", source, "-o", out, "--arithmetic", "float32")
     assert done.returncode == 2
+
+
+def test_the_map_is_written_with_the_program_or_not_at_all(folder):
+    import hashlib
+
+    done = wedmcam(*"compile part.dxf -o x.3b --offset 0.1 --map x.json".split(), cwd=folder)
+    assert done.returncode == 0, done.stderr.decode()
+    told = json.loads((folder / "x.json").read_text("utf-8"))
+    assert told["sha256"]["output"] == hashlib.sha256((folder / "x.3b").read_bytes()).hexdigest()
+    assert told["blocks"][0]["source"]["file"] == "part.dxf"
+    done = wedmcam(*"compile gap.dxf -o y.3b --offset 0.1 --map y.json".split(), cwd=folder)
+    assert done.returncode == 1
+    assert not (folder / "y.json").exists()
+    done = wedmcam(*"compile part.dxf -o y.3b --offset 0.1 --map y.3b".split(), cwd=folder)
+    assert done.returncode == 2
+    assert not (folder / "y.3b").exists()

@@ -40,6 +40,9 @@ def cli() -> None:
 @ask.compile_options
 @click.option("--certificate", metavar="FILE.json", help="Write the certificate there.")
 @click.option("--plot", "plot_", metavar="FILE.svg", help="Draw the verified program there.")
+@click.option(
+    "--map", "map_", metavar="FILE.json", help="Write there which block was drawn by what."
+)
 @ask.feed_option
 @ask.said_options
 def compile_command(
@@ -48,6 +51,7 @@ def compile_command(
     to: str | None,
     certificate: str | None,
     plot_: str | None,
+    map_: str | None,
     **asked: Any,
 ) -> int:
     """Source to program: the main job.
@@ -59,7 +63,7 @@ def compile_command(
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
     machine = ask.machine_of(asked["profile"], ask.format_of(output, to, machine))
     ask.warn_of_name(output, machine.format)
-    outputs = [name for name in (output, certificate, plot_) if name is not None]
+    outputs = [name for name in (output, certificate, plot_, map_) if name is not None]
     check_outputs([input_], outputs)
     if output == "-" and asked["json_"]:
         raise click.UsageError("--json and the program cannot both be standard output")
@@ -82,6 +86,10 @@ def compile_command(
         files.append((certificate, say.certificate_bytes(made.summary)))
     if plot_ is not None:
         files.append((plot_, _picture(made, Path(output).name, plot_)))
+    if map_ is not None:
+        from wedmcam import api
+
+        files.append((map_, say.map_bytes(api.source_map(made))))
     write_outputs(files)
     if not asked["quiet"]:
         say.say_report(made, output)

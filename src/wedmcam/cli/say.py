@@ -41,6 +41,14 @@ def certificate_bytes(data: dict[str, Any]) -> bytes:
     return (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode("utf-8")
 
 
+def map_bytes(data: dict[str, Any]) -> bytes:
+    """Return a map as it is written to a file: a line a block, for large programs are long."""
+    head = {k: v for k, v in data.items() if k != "blocks"}
+    top = json.dumps(head, indent=2, ensure_ascii=False)[:-2]
+    rows = ",\n".join("    " + json.dumps(row, ensure_ascii=False) for row in data["blocks"])
+    return f'{top},\n  "blocks": [\n{rows}\n  ]\n}}\n'.encode()
+
+
 def with_time(summary: dict[str, Any], feed_um: float | None) -> dict[str, Any]:
     """Return a summary with the cutting time in minutes, where a feed was given."""
     from wedmcam.api import minutes

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 class TextSpan:
     """Characters of one line of a text source; line and column count from 1.
 
+    ``copies``: which copies of transforms it was drawn by, outermost first.
+
     >>> str(TextSpan("part.3b", 2, 10))
     'part.3b:2:10'
     """
@@ -17,6 +19,7 @@ class TextSpan:
     line: int
     column: int
     length: int = 1
+    copies: tuple[int, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}"

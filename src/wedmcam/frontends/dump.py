@@ -74,7 +74,7 @@ def dump(program: Program, machine: Machine) -> Iterator[Row]:
         cutting = kind <= Kind.MOVE
         yield Row(
             number=i + 1,
-            where=_where(program, i),
+            where=where_of(program, i),
             kind=words.get(i, kind.name.lower()),
             instruction=("L", "NR", "SR")[turn] + str(quadrant[i]) if cutting else "",
             x=int(block["x"]) if cutting else None,
@@ -86,7 +86,8 @@ def dump(program: Program, machine: Machine) -> Iterator[Row]:
         )
 
 
-def _where(program: Program, i: int) -> str:
+def where_of(program: Program, i: int) -> str:
+    """Return where block ``i`` stands in its file: line:column, or an address; empty if nowhere."""
     if i >= len(program.spans):
         return ""
     span = program.spans[i]

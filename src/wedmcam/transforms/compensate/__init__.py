@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Span, error
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Ints
 from wedmcam.ir.contour import VERTEX, Contour
@@ -322,17 +322,33 @@ def _paths(
         begin += len(run)
         first = int(mine[0])
         along = (first,)
+        sources = outlines[first].sources
         if len(outlines) > 1 and (mine != first).any():
-            part["source"][mine != first] = -1
             along = tuple(np.unique(mine).tolist())
+            sources = _of_several(outlines, along, part, mine)
         if not closed:
             last = np.zeros(1, VERTEX)
             end = int(found.node1[loop[-1]])
             last["x"], last["y"] = x[end] + source.origin[0], y[end] + source.origin[1]
             last["source"] = -1
             part = np.concatenate([part, last])
-        paths.append(WirePath(Contour(part, closed, outlines[first].sources), first, along))
+        paths.append(WirePath(Contour(part, closed, sources), first, along))
     return paths
+
+
+def _of_several(
+    outlines: Sequence[Contour], along: Sequence[int], part: NDArray[np.void], mine: Ints
+) -> tuple[Span, ...]:
+    """Return the sources of a path along several outlines, and number those of ``part`` anew."""
+    lists = {id(outlines[k].sources) for k in along}
+    if len(lists) == 1:
+        return outlines[along[0]].sources
+    sources: list[Span] = []
+    for k in along:
+        rows = (mine == k) & (part["source"] >= 0)
+        part["source"][rows] += len(sources)
+        sources += outlines[k].sources
+    return tuple(sources)
 
 
 def largest_offset(

@@ -16,7 +16,7 @@ from fractions import Fraction
 import numpy as np
 
 from wedmcam.arithmetic import Arithmetic
-from wedmcam.diag import EntityRef, Span
+from wedmcam.diag import EntityRef, Span, TextSpan
 from wedmcam.geom.segments import Floats
 from wedmcam.ir.contour import Contour
 
@@ -174,6 +174,10 @@ def numbered(sources: tuple[Span, ...], copy: int) -> tuple[Span, ...]:
     """
     if not copy:
         return sources
-    return tuple(
-        replace(s, via=(f"copy {copy}", *s.via)) if isinstance(s, EntityRef) else s for s in sources
-    )
+    return tuple(_numbered(s, copy) for s in sources)
+
+
+def _numbered(s: Span, copy: int) -> Span:
+    if isinstance(s, EntityRef):
+        return replace(s, via=(f"copy {copy}", *s.via))
+    return replace(s, copies=(copy, *s.copies)) if isinstance(s, TextSpan) else s

@@ -31,18 +31,20 @@ class Shifted:
 
     def normals(self, rows: Ints, arc: bool, ends: str) -> list[tuple[Pair, Pair]]:
         """Return (end, left normal there) for each of ``ends``, of segments all arcs or lines."""
-        ar = self.ar
+        ar, s = self.ar, self.segments
         places = [tuple(self.columns(rows, "x" + which, "y" + which)) for which in ends]
+        # Differences are rounded, not taken of rounded ends: a segment of a micron has a direction.
         if not arc:
-            x0, y0, x1, y1 = self.columns(rows, "x0", "y0", "x1", "y1")
-            ux, uy = formulas.unit(ar, x1 - x0, y1 - y0)
+            dx, dy = s.x1[rows] - s.x0[rows], s.y1[rows] - s.y0[rows]
+            ux, uy = formulas.unit(ar, ar.array(dx), ar.array(dy))
             return [((x, y), (-uy, ux)) for x, y in places]
-        cx, cy = self.columns(rows, "cx", "cy")
-        turn = ar.array(self.segments.turn[rows].astype(float))
+        turn = ar.array(s.turn[rows].astype(float))
         found = []
-        for x, y in places:
-            nx, ny = formulas.unit(ar, cx - x, cy - y)
-            found.append(((x, y), (nx * turn, ny * turn)))
+        for which, place in zip(ends, places, strict=True):
+            dx = s.cx[rows] - getattr(s, "x" + which)[rows]
+            dy = s.cy[rows] - getattr(s, "y" + which)[rows]
+            nx, ny = formulas.unit(ar, ar.array(dx), ar.array(dy))
+            found.append((place, (nx * turn, ny * turn)))
         return found
 
     def ends(self, rows: Ints, which: str) -> list[tuple[Floats, Floats]]:

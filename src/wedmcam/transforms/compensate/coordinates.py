@@ -13,7 +13,7 @@ import numpy as np
 from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.geom import formulas
 from wedmcam.geom.segments import Floats, Ints, Segments
-from wedmcam.transforms.compensate.raw import SNAP_UM, Raw, Source
+from wedmcam.transforms.compensate.raw import Raw, Source
 from wedmcam.transforms.compensate.resolve import Loops
 from wedmcam.transforms.shifted import Shifted
 
@@ -66,8 +66,7 @@ def node_points(
     both = (before >= 0) & (after >= 0)
     px = np.where(both, 0.5 * (ax + bx), np.where(before >= 0, ax, bx))
     py = np.where(both, 0.5 * (ay + by), np.where(before >= 0, ay, by))
-    # A prolonged corner is a crossing of the two, far from either end.
-    mitre = both & (np.hypot(px - x[ends], py - y[ends]) > SNAP_UM)
+    mitre = both & raw.prolonged[e]
     i[ends[mitre]], j[ends[mitre]] = e[mitre], f[mitre]
     plain = ~mitre & ((before >= 0) | (after >= 0))
     x[ends[plain]], y[ends[plain]] = px[plain], py[plain]

@@ -78,6 +78,7 @@ class Raw:
         slack: by how much the ends of an element were moved off its line or circle, um.
         bend: by how much the path turns where the element is joined to the following one, radians
             >= 0; 0 where a transition arc stands.
+        prolonged: whether element and following one end where they cross beyond their ends.
         tangled: a closed contour does not turn once round in all: it crosses itself.
     """
 
@@ -90,6 +91,7 @@ class Raw:
     vanished: Ints
     slack: Floats
     bend: Floats
+    prolonged: NDArray[np.bool_]
     tangled: bool
 
 
@@ -185,6 +187,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     # Without a gap there is nothing to go round (next to an arc that vanishes).
     corner = outer & ~meets & (shift != 0) & (gap > 0.05 * SAME_UM)
 
+    prolonged = np.zeros(len(s), bool)
     if sharp and corner.any():
         sideways = sideways.copy()
         moved = _mitre(s, shift, radius, corner & ~vanished & ~vanished[k], k, x1, y1)
@@ -192,7 +195,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
         x1[rows], y1[rows] = mx, my
         x0[k[rows]], y0[k[rows]] = mx, my
         corner[rows] = False
-        meets[rows] = True
+        meets[rows] = prolonged[rows] = True
         sideways[rows] = 0.0
 
     # Snapped ends meet in the middle; both elements end there.
@@ -249,6 +252,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
         np.flatnonzero(vanished),
         slack,
         bend,
+        np.concatenate([prolonged[alive], none > 0])[order],
         _tangled(source, turn),
     )
 

@@ -289,6 +289,11 @@ def test_errors_of_operations():
     for one, two in ((a, a), (1, a), (a, 0), (Decimal8(1), 0), (0, Decimal8(0))):
         with pytest.raises(ZeroDivisionError):
             one / two
+    many = np.ones(100_000)
+    many[70_000] = 0
+    for one in (1, Decimal8Array(np.ones(100_000)), Decimal8Array(many)):
+        with pytest.raises(ZeroDivisionError):
+            one / Decimal8Array(many)
     for negative in (Decimal8(-1), -a):
         with pytest.raises(ValueError, match="negative"):
             sqrt(negative)

@@ -24,7 +24,7 @@ from wedmcam.decimal8.held import (
     ten,
 )
 from wedmcam.decimal8.kernel import Parts, exact_integer
-from wedmcam.decimal8.rounding import piecewise, rounded
+from wedmcam.decimal8.rounding import Work, piecewise, rounded
 
 _INTEGER_TENS = 10 ** np.arange(19, dtype=np.int64)
 #: Integers below this are exact float64.
@@ -41,8 +41,8 @@ def from_floats(values: Floats) -> Floats:
     return piecewise(_from_floats, values)
 
 
-def _from_floats(start: int, values: Floats) -> Floats:
-    out = rounded(values, (values,), _exact_floats, start)
+def _from_floats(work: Work, values: Floats) -> Floats:
+    out = rounded(work, values, (values,), _exact_floats, spare=work.y)
     # Numbers below 2^-1022 pass for zero.
     lost = int(np.count_nonzero(values)) - int(np.count_nonzero(out))
     if lost:

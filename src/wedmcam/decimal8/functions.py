@@ -23,13 +23,13 @@ from wedmcam.decimal8 import exact
 from wedmcam.decimal8.form import DIGITS, LOW, ZERO
 from wedmcam.decimal8.held import Floats, Ints, cells, checked, decades, pair, parts, product, ten
 from wedmcam.decimal8.kernel import Parts
-from wedmcam.decimal8.rounding import piecewise, rounded
+from wedmcam.decimal8.rounding import Work, piecewise, rounded
 
 #: Relative error of one float64 operation, and of one numpy function.
 UNIT = 2.0**-53
 LIBRARY = 8 * UNIT
 #: Elements computed at a time; the formulas below use more temporaries than the kernel's.
-PIECE = 8192
+PIECE = 16384
 #: Radians of 1e19 and more are no exact float64, and are reduced with mpmath.
 _LARGEST_EXPONENT = 11 + DIGITS
 
@@ -60,14 +60,14 @@ class Function:
         """Return the function of operands that broadcast."""
         return piecewise(self._piece, *operands, piece=PIECE)
 
-    def _piece(self, start: int, *operands: Floats) -> Floats:
+    def _piece(self, work: Work, *operands: Floats) -> Floats:
         if self.front is None:
             all_ = [a.reshape(-1) for a in np.broadcast_arrays(*operands)]
             settled = self.settle(*all_)
-            out = checked(*settled, np.arange(start, start + all_[0].size))
+            out = checked(*settled, np.arange(work.start, work.start + all_[0].size))
             return out.reshape(np.broadcast_shapes(*(a.shape for a in operands)))
         y, slack = self.front(*operands)
-        return rounded(y, operands, self.settle, start, slack)
+        return rounded(work, y, operands, self.settle, slack=slack, spare=y)
 
     def settle(self, *operands: Floats) -> Parts:
         """Return mantissas and exponents, rounded, of the function of some elements."""

@@ -40,7 +40,8 @@ def ten(k: NDArray[Any]) -> Floats:
 # in the same decade. So two shifts, a look-up and an addition give a cell that knows the decade.
 
 _CELL_BITS = np.array(52)
-_INT64 = np.dtype(np.int64)
+_UNSIGNED_CELL_BITS = np.array(52, np.uint64)
+_INT64, _UINT64 = np.dtype(np.int64), np.dtype(np.uint64)
 _LOWEST = np.ldexp(1.0, np.arange(2046) - 1023)
 _DECADE = np.empty(2048, np.int64)
 _DECADE[:2046] = np.searchsorted(_TEN, _LOWEST, side="right") - TEN_MAX
@@ -55,14 +56,27 @@ _CARRY = np.concatenate((_CARRY, _CARRY))
 _TO_MANTISSA = np.where(_DECADE == ZERO, 1.0, ten(DIGITS - _DECADE))
 
 
-def cells(values: Floats) -> Ints:
-    """Return an index by cell for each value, from -2048 to 2047; `decades` tells its decade."""
-    bits = values.view(_INT64)
-    cell: Ints = np.right_shift(bits, _CELL_BITS)
-    cell = _CARRY[cell]
-    np.add(cell, bits, cell)
-    np.right_shift(cell, _CELL_BITS, cell)
-    return cell
+def cells(values: Floats, spare: Ints | None = None) -> Ints:
+    """Return an index by cell for each value; `decades` tells its decade.
+
+    Args:
+        values: numbers.
+        spare: two rows to compute in, for large arrays. There the indices are from 0 to 4095,
+            which `numpy.take` is quicker to look up; else from -2048 to 2047.
+    """
+    if spare is None:
+        bits = values.view(_INT64)
+        cell: Ints = _CARRY[np.right_shift(bits, _CELL_BITS)]
+        np.add(cell, bits, cell)
+        np.right_shift(cell, _CELL_BITS, cell)
+        return cell
+    bits, first, second = values.view(_UINT64), spare[0].view(_UINT64), spare[1].view(_UINT64)
+    np.right_shift(bits, _UNSIGNED_CELL_BITS, first)
+    _CARRY.take(spare[0], None, spare[1], "clip")
+    np.add(second, bits, second)
+    np.right_shift(second, _UNSIGNED_CELL_BITS, second)
+    unsigned: Ints = spare[1]
+    return unsigned
 
 
 def decades(cell: Ints) -> Ints:
@@ -71,7 +85,8 @@ def decades(cell: Ints) -> Ints:
     Next to a power of ten that float64 does not hold exactly, either neighbour may be given: both
     round to the same 8 digits.
     """
-    return _DECADE[cell]
+    decade: Ints = _DECADE[cell]
+    return decade
 
 
 def parts(values: Floats) -> tuple[Ints, Ints]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wedmcam.decimal8.form import DIGITS, ZERO
 from wedmcam.decimal8.held import Floats, Ints, parts
-from wedmcam.decimal8.rounding import Settle, piecewise, rounded
+from wedmcam.decimal8.rounding import PIECE, Settle, Work, piecewise, rounded
 
 _TENS = 10 ** np.arange(19, dtype=np.int64)
 #: A number more than ten powers of ten below another changes the rounding of their sum by its
@@ -36,12 +36,14 @@ def subtract(a: Floats, b: Floats) -> Floats:
     return piecewise(_subtract, a, b)
 
 
-def _add(start: int, a: Floats, b: Floats) -> Floats:
-    return rounded(np.add(a, b), (a, b), _settle_sum, start, None, _alike, True)
+def _add(work: Work, a: Floats, b: Floats) -> Floats:
+    y = np.add(a, b, work.y)
+    return rounded(work, y, (a, b), _settle_sum, _alike, True, None, y)
 
 
-def _subtract(start: int, a: Floats, b: Floats) -> Floats:
-    return rounded(np.subtract(a, b), (a, b), _settle_difference, start, None, _alike, True)
+def _subtract(work: Work, a: Floats, b: Floats) -> Floats:
+    y = np.subtract(a, b, work.y)
+    return rounded(work, y, (a, b), _settle_difference, _alike, True, None, y)
 
 
 def _alike(a: Floats, b: Floats) -> bool:
@@ -67,16 +69,14 @@ def multiply_short(a: Floats, b: Floats) -> Floats:
     return piecewise(_multiply_short, a, b)
 
 
-def _multiply(start: int, a: Floats, b: Floats) -> Floats:
-    return rounded(np.multiply(a, b), (a, b), _settle_product, start)
+def _multiply(work: Work, a: Floats, b: Floats) -> Floats:
+    y = np.multiply(a, b, work.y)
+    return rounded(work, y, (a, b), _settle_product, False, False, None, y)
 
 
-def _multiply_short(start: int, a: Floats, b: Floats) -> Floats:
-    return rounded(np.multiply(a, b), (a, b), _settle_product, start, None, _always)
-
-
-def _always(*_: Floats) -> bool:
-    return True
+def _multiply_short(work: Work, a: Floats, b: Floats) -> Floats:
+    y = np.multiply(a, b, work.y)
+    return rounded(work, y, (a, b), _settle_product, True, False, None, y)
 
 
 def divide(a: Floats, b: Floats) -> Floats:
@@ -85,9 +85,7 @@ def divide(a: Floats, b: Floats) -> Floats:
     Raises:
         ZeroDivisionError: a divisor is 0.
     """
-    if np.count_nonzero(b) != b.size:
-        raise ZeroDivisionError("division by zero")
-    return piecewise(_divide, a, b)
+    return _divided(_divide, a, b)
 
 
 def divide_short(a: Floats, b: Floats) -> Floats:
@@ -95,17 +93,27 @@ def divide_short(a: Floats, b: Floats) -> Floats:
 
     The quotient is away from a tie by 5e-6 of its last digit, or is one.
     """
+    return _divided(_divide_short, a, b)
+
+
+def _divided(function: Callable[..., Floats], a: Floats, b: Floats) -> Floats:
+    if b.size > PIECE:
+        # Quotients by zero are no numbers, so they are settled, which finds them.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return piecewise(function, a, b)
     if np.count_nonzero(b) != b.size:
         raise ZeroDivisionError("division by zero")
-    return piecewise(_divide_short, a, b)
+    return piecewise(function, a, b)
 
 
-def _divide(start: int, a: Floats, b: Floats) -> Floats:
-    return rounded(np.divide(a, b), (a, b), _settle_quotient, start)
+def _divide(work: Work, a: Floats, b: Floats) -> Floats:
+    y = np.divide(a, b, work.y)
+    return rounded(work, y, (a, b), _settle_quotient, False, False, None, y)
 
 
-def _divide_short(start: int, a: Floats, b: Floats) -> Floats:
-    return rounded(np.divide(a, b), (a, b), _settle_quotient, start, None, _always)
+def _divide_short(work: Work, a: Floats, b: Floats) -> Floats:
+    y = np.divide(a, b, work.y)
+    return rounded(work, y, (a, b), _settle_quotient, True, False, None, y)
 
 
 def square_root(a: Floats) -> Floats:
@@ -119,8 +127,9 @@ def square_root(a: Floats) -> Floats:
     return piecewise(_square_root, a)
 
 
-def _square_root(start: int, a: Floats) -> Floats:
-    return rounded(np.sqrt(a), (a,), _settle_root, start)
+def _square_root(work: Work, a: Floats) -> Floats:
+    y = np.sqrt(a, work.y)
+    return rounded(work, y, (a,), _settle_root, False, False, None, y)
 
 
 # --- in integers ----------------------------------------------------------------------------
@@ -163,7 +172,13 @@ def exact_product(am: Ints, ae: Ints, bm: Ints, be: Ints) -> Parts:
 
 
 def exact_quotient(am: Ints, ae: Ints, bm: Ints, be: Ints) -> Parts:
-    """Return a / b, b not 0."""
+    """Return a / b.
+
+    Raises:
+        ZeroDivisionError: a divisor is 0.
+    """
+    if not bm.all():
+        raise ZeroDivisionError("division by zero")
     whole = np.abs(am) >= np.abs(bm)
     dividend = am * np.sign(bm) * _TENS[DIGITS - whole]
     return _half_away(dividend, np.abs(bm)), np.where(am == 0, ZERO, ae - be + whole)

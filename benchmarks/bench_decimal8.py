@@ -1,8 +1,9 @@
 """How fast arrays of 8-digit decimals are, against Python's `decimal` and numpy's float64.
 
 Run: python benchmarks/bench_decimal8.py [--count N] [--json]. One core; the parties alternate,
-best of several rounds. `decimal` (8 digits, ROUND_HALF_UP) runs in a list comprehension on a
-tenth of the operands; everything is given in nanoseconds an element.
+best of several rounds. `decimal` (8 digits, ROUND_HALF_UP) runs in a loop over a tenth of the
+operands. Large arrays in nanoseconds an element; then short ones, where calls count and not
+elements, in microseconds an operation.
 """
 
 import argparse
@@ -13,7 +14,7 @@ import time
 
 import numpy as np
 
-from wedmcam.decimal8 import Decimal8Array, hypot
+from wedmcam.decimal8 import DECIMAL8, Decimal8Array, hypot
 
 EIGHT = decimal.Context(prec=8, rounding=decimal.ROUND_HALF_UP)
 
@@ -81,24 +82,86 @@ def measure(count, rounds):
     return out
 
 
+SIZES = (1, 10, 100, 1000, 5000)
+
+
+def short_cases(rng, n):
+    """Operations by name on n coordinates of a part, in um to a hundredth; and on float64.
+
+    About one sum in ten of such is a tie, and every other half.
+    """
+    fx, fy = np.round(rng.uniform(-2e5, 2e5, (2, n)), 2)
+    ft, fp, truth = rng.uniform(-3, 3, n), np.abs(fy), fx > 0
+    a, b, t, p = map(DECIMAL8.array, (fx, fy, ft, fp))
+    return {
+        "a + b": (lambda: a + b, lambda: fx + fy),
+        "a * b": (lambda: a * b, lambda: fx * fy),
+        "a / b": (lambda: a / b, lambda: fx / fy),
+        "a / 2": (lambda: a / 2, lambda: fx / 2),
+        "sqrt": (lambda: DECIMAL8.sqrt(p), lambda: np.sqrt(fp)),
+        "sin": (lambda: DECIMAL8.sin(t), lambda: np.sin(ft)),
+        "a > 0": (lambda: a > 0, lambda: fx > 0),
+        "-a": (lambda: -a, lambda: -fx),
+        "where": (lambda: DECIMAL8.where(truth, a, b), lambda: np.where(truth, fx, fy)),
+        "from float": (lambda: DECIMAL8.array(fx), lambda: fx.copy()),
+        "to float": (lambda: DECIMAL8.to_float(a), lambda: fx.copy()),
+    }
+
+
+def short(rounds, sizes=SIZES):
+    """Microseconds an operation by name and size: 8-digit decimals, and float64."""
+    rng = np.random.default_rng(2)
+    out = {}
+    for n in sizes:
+        many = max(20_000 // (n + 100), 5)
+        for name, both in short_cases(rng, n).items():
+            ours, floats = (t / many * 1e6 for t in best([repeat(f, many) for f in both], rounds))
+            out.setdefault(name, {})[n] = {"us": ours, "float64": floats}
+    return out
+
+
+def repeat(function, many):
+    def run():
+        for _ in range(many):
+            function()
+
+    return run
+
+
+def large_table(rows):
+    """The figures of `measure` as Markdown."""
+    yield "| | ns | `decimal` | faster | float64 | slower |"
+    yield "|---|---|---|---|---|---|"
+    for name, row in rows.items():
+        python = row.get("decimal")
+        against = f"{python:.0f} | {python / row['ns']:.1f}" if python else "|"
+        yield (
+            f"| {name} | {row['ns']:.1f} | {against} | {row['float64']:.1f} | "
+            f"{row['ns'] / row['float64']:.1f} |"
+        )
+
+
+def short_table(rows):
+    """The figures of `short` as Markdown."""
+    sizes = list(next(iter(rows.values())))
+    yield f"| | {' | '.join(map(str, sizes))} |"
+    yield "|---" * (len(sizes) + 1) + "|"
+    for name, row in rows.items():
+        cells = (f"{cell['us']:.1f} ({cell['float64']:.1f})" for cell in row.values())
+        yield f"| {name} | {' | '.join(cells)} |"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
-    table = measure(arguments.count, arguments.rounds)
+    large, few = measure(arguments.count, arguments.rounds), short(arguments.rounds)
     if arguments.json:
-        print(json.dumps(table, indent=1))
+        print(json.dumps({"large": large, "short": few}, indent=1))
         return
-    print(f"{'':12} {'ns':>8} {'decimal':>9} {'faster':>8} {'float64':>9} {'slower':>8}")
-    for name, row in table.items():
-        python = row.get("decimal")
-        against = f"{python:9.1f} {python / row['ns']:7.1f}x" if python else " " * 18
-        print(
-            f"{name:12} {row['ns']:8.2f} {against} {row['float64']:9.2f}"
-            f" {row['ns'] / row['float64']:7.1f}x"
-        )
+    print("\n".join([*large_table(large), "", *short_table(few)]))
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import bench_controller
+import bench_decimal8
 import bench_forgeries
 import bench_offsets
 import bench_stages
@@ -109,7 +110,13 @@ def page(quick):
         yield ""
         yield "## 8-digit decimal arithmetic"
         yield ""
-        yield from output_of("bench_decimal8.py")
+        yield "An element of a large array, ns:"
+        yield ""
+        yield from bench_decimal8.large_table(bench_decimal8.measure(1_000_000, 9))
+        yield ""
+        yield "An operation on a short one, us, by number of elements; in brackets float64:"
+        yield ""
+        yield from bench_decimal8.short_table(bench_decimal8.short(9))
         yield ""
     yield "## Forgeries"
     yield ""

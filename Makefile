@@ -1,6 +1,6 @@
 # Everything sets itself up from nothing but Python 3.11 or later: its own virtual environment in
 # .venv, versions pinned in requirements.txt.
-.PHONY: help setup demo test lint bench golden clean
+.PHONY: help setup demo test lint bench docs golden clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -21,6 +21,7 @@ help:
 	@echo "make test    run the tests"
 	@echo "make lint    ruff and mypy"
 	@echo "make bench   measure, as ratios side by side"
+	@echo "make docs    write the reference pages anew (docs/codes.md, docs/profiles.md)"
 	@echo "make golden  write the golden programs anew (look at the difference!)"
 
 setup: $(READY)
@@ -55,6 +56,9 @@ bench: $(READY)
 	$(BIN)/python benchmarks/bench_compensate.py
 	$(BIN)/python benchmarks/bench_decimal8.py
 	$(BIN)/python benchmarks/bench_arithmetic.py
+
+docs: $(READY)
+	$(BIN)/python benchmarks/pages.py
 
 golden: $(READY)
 	$(BIN)/python -m pytest -q tests/golden --update-golden

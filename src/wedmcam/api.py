@@ -516,6 +516,7 @@ def _judged(
             trimmed=options.trim,
         )
 
+    unfit: list[Diagnostic] = []
     if origin_mm is not None:
         origin = (round(1000 * origin_mm[0]), round(1000 * origin_mm[1]))
         placed = replace(decoded, origin=origin)
@@ -525,7 +526,9 @@ def _judged(
         verdict, found = at(placed)
         if not verdict.ok:
             fitted, notes = fit(decoded, plan, table=table)
-            if fitted is not None:
+            if fitted is None:
+                unfit = notes
+            else:
                 better, more = at(fitted)
                 if better.ok or better.max_deviation_um < verdict.max_deviation_um:
                     placed, verdict, found = fitted, better, [*notes, *more]
@@ -535,7 +538,7 @@ def _judged(
         strict, named = at(placed, strict=True)
         if len(strict.cuts) == len(plan.cuts):
             verdict, found = strict, named
-    run.add("verify", found)
+    run.add("verify", [*unfit, *found])
     return placed, verdict
 
 

@@ -264,3 +264,43 @@ def test_the_map_is_written_with_the_program_or_not_at_all(folder):
     done = wedmcam(*"compile part.dxf -o y.3b --offset 0.1 --map y.3b".split(), cwd=folder)
     assert done.returncode == 2
     assert not (folder / "y.3b").exists()
+
+
+def test_nothing_left_to_cut_is_said(folder):
+    line = "check part.dxf --offset 6 --side die --on-interference trim"
+    done = wedmcam(*line.split(), cwd=folder)
+    assert done.returncode == 1
+    assert "error[nothing-to-cut]" in done.stderr.decode()
+
+
+def test_profiles_are_shown_and_checked(folder):
+    shown = wedmcam("profile", "show", "b3-columns", cwd=folder)
+    (folder / "mine.toml").write_bytes(shown.stdout.replace(b'stop = "DD"', b'stop = "HALT"'))
+    done = wedmcam("profile", "check", "mine.toml", "--json", cwd=folder)
+    assert done.returncode == 0
+    assert json.loads(done.stdout) == {
+        "file": "mine.toml",
+        "ok": True,
+        "name": "mine",
+        "diagnostics": [],
+    }
+    told = json.loads(wedmcam("profile", "show", "mine.toml", "--json", cwd=folder).stdout)
+    assert told["words"]["stop"] == "HALT"
+    assert told["limits"]["travel_um"] is None
+    (folder / "bad.toml").write_text("[limts]\n[limits]\ncount_um = 0\n")
+    done = wedmcam("profile", "check", "bad.toml", cwd=folder)
+    assert done.returncode == 2
+    text = done.stderr.decode()
+    assert text.count("error[profile-") == 7
+    assert "bad.toml:3:1: error[profile-value]" in text
+    assert "    3 | count_um = 0\n      | ^~~~~~~~\n" in text
+    assert wedmcam("profile", "check", "zd056").returncode == 2
+    rows = json.loads(wedmcam("profile", "list", "--json").stdout)
+    assert [r["name"] for r in rows if r["default"] and r["format"] == "compact"] == ["zd065"]
+
+
+def test_codes_are_listed():
+    lines = wedmcam("explain", "--list").stdout.decode().splitlines()
+    assert any(line.startswith("open-contour ") for line in lines)
+    assert lines == sorted(lines)
+    assert wedmcam("explain").returncode == 2

@@ -194,8 +194,8 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
         text = read_input(profile).decode("utf-8")
     except UnicodeDecodeError:
         raise WrongUse(f"{profile}: not UTF-8") from None
-    machine, found = machines.parse(text, Path(profile).stem)
-    say_findings(found, profile)
+    machine, found = machines.of_file(text, profile)
+    say_findings(found, profile, text=text)
     if machine is None:
         raise WrongUse(f"{profile}: this profile cannot be used")
     return api.machine_for(to, machine)

@@ -14,6 +14,7 @@ from wedmcam.cli import asked as ask
 from wedmcam.cli.config import config_command
 from wedmcam.cli.files import Failed, Unreadable, check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import LENGTH, POINT
+from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.settings import Configured
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
@@ -393,6 +394,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
         layers=asked["layers"],
         ignore_layers=asked["ignore_layers"],
         join_um=asked["join_um"],
+        tolerance_um=asked["tolerance_um"],
         transforms=asked["transforms"],
         arithmetic=asked["arithmetic"],
         side=side,
@@ -524,25 +526,25 @@ def dump_command(file: str, format_: str | None, profile: str | None, json_: boo
 
 
 @cli.command("explain")
-@click.argument("what", metavar="CODE|FILE")
+@click.argument("what", metavar="CODE|FILE", required=False)
+@click.option("--list", "list_", is_flag=True, help="All codes, one a line.")
 @click.option("--block", type=click.IntRange(1), metavar="N", help="Explain this block of FILE.")
 @ask.machine_options
-def explain_command(what: str, block: int | None, profile: str | None) -> int:
+def explain_command(what: str | None, list_: bool, block: int | None, profile: str | None) -> int:
     """A diagnostic; or one block of a program: geometry, quadrant, count axis, J, first steps."""
+    from wedmcam.cli.explain import explained, listed, unknown
+
+    if list_:
+        click.echo(listed())
+        return 0
+    if what is None:
+        raise click.UsageError("give a CODE, FILE --block N, or --list")
     if block is not None:
         return _explain_block(what, block, profile)
-    from wedmcam.diag import CODES
-
-    if what not in CODES:
-        import difflib
-
-        near = difflib.get_close_matches(what, CODES, 3, 0.5)
-        hint = f"; did you mean {', '.join(near)}?" if near else ""
-        if Path(what).is_file():
-            hint = ": to explain a block of a program give --block N"
-        raise click.UsageError(f"there is no diagnostic '{what}'{hint}")
-    entry = CODES[what]
-    click.echo(f"{what}\n  what   {entry.what}\n  why    {entry.why}\n  cure   {entry.cure}")
+    text = explained(what)
+    if text is None:
+        raise click.UsageError(unknown(what))
+    click.echo(text)
     return 0
 
 
@@ -564,49 +566,5 @@ def _explain_block(file: str, number: int, profile: str | None) -> int:
     return 0
 
 
-@cli.group("profile")
-def profile_group() -> None:
-    """Controllers and dialects."""
-
-
-@profile_group.command("list")
-def profile_list() -> int:
-    """The built-in profiles."""
-    from wedmcam import machines
-
-    for name in machines.names():
-        machine = machines.builtin(name)
-        mark = " (default)" if machines.DEFAULTS.get(machine.format) == name else ""
-        click.echo(f"{name:18}  {machine.format:12}  {machine.title}{mark}")
-    return 0
-
-
-@profile_group.command("show")
-@click.argument("name")
-def profile_show(name: str) -> int:
-    """The TOML of a built-in profile, to start one of your own from."""
-    from wedmcam import machines
-
-    if name not in machines.names():
-        ask.machine_of(name, None)
-    click.echo(machines.text(name), nl=False)
-    return 0
-
-
-@profile_group.command("check")
-@click.argument("file")
-def profile_check(file: str) -> int:
-    """Whether a profile can be used."""
-    from wedmcam import machines
-    from wedmcam.cli import say
-
-    text = read_input(file).decode("utf-8", "replace")
-    machine, found = machines.parse(text, Path(file).stem)
-    say.say_findings(found, file)
-    if machine is None:
-        return 2
-    click.echo(f"{file}: {machine.format}, {machine.title}")
-    return 0
-
-
 cli.add_command(config_command(cli))
+cli.add_command(profile_group)

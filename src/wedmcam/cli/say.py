@@ -22,13 +22,15 @@ def coloured() -> bool:
     return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
 
 
-def say_findings(found: Iterable[Diagnostic], file: str = "", quiet: bool = False) -> None:
-    """Print findings; ``quiet`` leaves notes out."""
+def say_findings(
+    found: Iterable[Diagnostic], file: str = "", quiet: bool = False, text: str | None = None
+) -> None:
+    """Print findings; ``quiet`` leaves notes out. With ``text``, the lines that they point to."""
     from wedmcam.diag.render import merged, render
 
     for d in merged(found):
         if not (quiet and d.severity is Severity.NOTE):
-            click.echo(render(d, file, coloured()), err=True)
+            click.echo(render(d, file, coloured(), text), err=True)
 
 
 def say_json(data: Any) -> None:

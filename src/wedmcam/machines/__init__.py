@@ -7,10 +7,12 @@ stepped by. The built-in profiles lie beside this module.
 from __future__ import annotations
 
 import difflib
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
+from pathlib import PurePath
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, TextSpan, error
 from wedmcam.machines.machine import Layout, Limits, Machine, Words
 from wedmcam.machines.profile import parse
 
@@ -60,6 +62,17 @@ def builtin(name: str) -> Machine:
     return machine
 
 
+def of_file(text: str, file: str) -> tuple[Machine | None, list[Diagnostic]]:
+    """Return the profile that a file holds; it is named after the file, findings point into it.
+
+    >>> of_file("", "shop.toml")[1][0].span
+    FileSpan(file='shop.toml')
+    """
+    machine, found = parse(text, file)
+    found.sort(key=lambda d: d.span.line if isinstance(d.span, TextSpan) else 0)
+    return (replace(machine, name=PurePath(file).stem) if machine else None), found
+
+
 def default(format_: str) -> Machine:
     """Return the profile that a format has when none is named.
 
@@ -88,6 +101,7 @@ __all__ = [
     "default",
     "find",
     "names",
+    "of_file",
     "parse",
     "text",
 ]

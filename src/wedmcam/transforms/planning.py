@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wedmcam.arithmetic import Arithmetic
-from wedmcam.diag import Diagnostic, error, note, warning
+from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Order, Side
 from wedmcam.ir.sketch import ThreadPoint
@@ -100,7 +100,7 @@ def lanes(
             return None, found
         found += _interference(contours, shift, result.interference, options)
         if not result.paths:
-            return None, found or [_nothing_left(options)]
+            return None, found if has_errors(found) else [*found, _nothing_left(options)]
         left = side in (Side.LEFT, Side.RIGHT)
         paths = [
             Lane(

@@ -72,7 +72,7 @@ def test_import_direction(layer, target):
 
 @pytest.mark.parametrize(("layer", "library"), THIRD)
 def test_third_party(layer, library):
-    allowed = TABLE[layer][1] if layer in TABLE else {"numpy", "click", "resvg_py"}
+    allowed = TABLE[layer][1] if layer in TABLE else {"numpy", "click", "resvg_py", "rich"}
     assert library in allowed
 
 

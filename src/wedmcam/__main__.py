@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
+from typing import Any
 
 INTERNAL, INTERRUPTED = 70, 130
 
 
 def main() -> None:
     """Run the command line; a closed pipe and Ctrl-C leave no traceback."""
-    from wedmcam.cli.main import cli
-
+    # Ended from outside, half-written files are removed like after Ctrl-C.
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), _ended)
     if sys.argv[1:2] in (["compile"], ["check"], ["verify"]):
         # One drawing, then the process ends: looking through a large one for cycles is a quarter
         # of the time and frees nothing that is needed.
         gc.disable()
     try:
+        from wedmcam.cli.main import cli
+
         status = cli.main(prog_name="wedmcam", standalone_mode=False)
         sys.stdout.flush()
         sys.exit(status if isinstance(status, int) else 0)
@@ -30,6 +36,10 @@ def main() -> None:
         sys.exit(INTERRUPTED)
     except Exception as why:
         sys.exit(_said(why))
+
+
+def _ended(number: int, _: Any) -> None:
+    sys.exit(128 + number)
 
 
 def _said(why: Exception) -> int:

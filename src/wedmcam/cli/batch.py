@@ -10,7 +10,7 @@ import glob
 import itertools
 import json
 import os
-import sys
+import signal
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wedmcam.cli.files import Failed, write_outputs
+from wedmcam.cli.progress import Bar
 from wedmcam.options import SUFFIX_OF_FORMAT
 
 if TYPE_CHECKING:
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 
 #: Endings of files that a folder is searched for.
 SOURCES = (".dxf",)
-#: Progress is shown when a batch takes longer than this, seconds.
-PATIENCE = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +132,7 @@ def how(asked: dict[str, Any]) -> How:
 def make(item: Item, force_units: bool) -> Outcome:
     """Compile one drawing and write its program; never raises for what is in the drawing."""
     from wedmcam import api
+    from wedmcam.cli.say import coloured
     from wedmcam.diag.render import merged, render
 
     if item.how.wrong:
@@ -154,7 +154,7 @@ def make(item: Item, force_units: bool) -> Outcome:
             output_name=item.output,
             options=replace(options, fill_in_units=not force_units),
         )
-        text = "\n".join(render(d, item.source) for d in merged(made.findings))
+        text = "\n".join(render(d, item.source, coloured()) for d in merged(made.findings))
         if made.ok:
             assert made.data is not None
             Path(item.output).parent.mkdir(parents=True, exist_ok=True)
@@ -184,7 +184,7 @@ def outcomes(items: Sequence[Item], force_units: bool, jobs: int) -> Iterator[Ou
         for item in items:
             yield make(item, force_units)
         return
-    with ProcessPoolExecutor(max_workers=min(jobs, len(items))) as pool:
+    with ProcessPoolExecutor(min(jobs, len(items)), initializer=_of_a_batch) as pool:
         waiting: dict[Future[Outcome], int] = {}
         done: dict[int, Outcome] = {}
         upcoming = iter(enumerate(items))
@@ -206,8 +206,18 @@ def outcomes(items: Sequence[Item], force_units: bool, jobs: int) -> Iterator[Ou
                     yield done.pop(following)
                     following += 1
         except BaseException:
+            # Interrupted: nobody waits for what is under way. A worker that is ended removes what
+            # it has half written.
+            workers = list((pool._processes or {}).values())
             pool.shutdown(wait=False, cancel_futures=True)
+            for worker in workers:
+                worker.terminate()
             raise
+
+
+def _of_a_batch() -> None:
+    """Leave Ctrl-C to the process that started this one: it ends its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _result(future: Future[Outcome], item: Item) -> Outcome:
@@ -234,47 +244,27 @@ def run(
     counts: Counter[int] = Counter()
     codes: Counter[tuple[str, str]] = Counter()
     failed = []
-    progress = _Progress(len(items))
-    for outcome in outcomes(items, force_units, jobs or os.cpu_count() or 1):
-        progress.clear()
-        counts[outcome.status] += 1
-        for finding in outcome.record.get("diagnostics", ()):
-            codes[finding["severity"], finding["code"]] += 1
-        if outcome.text and not (quiet and outcome.status == 0):
-            click.echo(outcome.text, err=True)
-        if outcome.status:
-            failed.append(outcome.item.source)
-        if json_:
-            click.echo(json.dumps(outcome.record, ensure_ascii=False))
-        progress.step()
-    progress.clear()
+    bar = Bar("batch", len(items))
+    try:
+        for outcome in outcomes(items, force_units, jobs or os.cpu_count() or 1):
+            counts[outcome.status] += 1
+            for finding in outcome.record.get("diagnostics", ()):
+                codes[finding["severity"], finding["code"]] += 1
+            if outcome.status:
+                failed.append(outcome.item.source)
+            told = outcome.text and not (quiet and outcome.status == 0)
+            if told or json_:
+                bar.clear()
+            if told:
+                click.echo(outcome.text, err=True)
+            if json_:
+                click.echo(json.dumps(outcome.record, ensure_ascii=False))
+            bar.step()
+    finally:
+        bar.clear()
     for (severity, code), count in sorted(codes.items()):
         click.echo(f"  {count:6d} {severity}[{code}]", err=True)
     click.echo(f"batch: {counts[0]} ok, {len(failed)} failed", err=True)
     for name in failed:
         click.echo(f"  failed: {name}", err=True)
     return max(counts, default=0)
-
-
-class _Progress:
-    """A line that counts, on a terminal, for anything over a second; nothing into a pipe."""
-
-    def __init__(self, total: int) -> None:
-        import time
-
-        self.total, self.done = total, 0
-        self.clock = time.monotonic
-        self.start = self.clock()
-        self.shown = False
-
-    def step(self) -> None:
-        self.done += 1
-        if sys.stderr.isatty() and self.clock() - self.start > PATIENCE:
-            sys.stderr.write(f"\r{self.done} of {self.total}")
-            sys.stderr.flush()
-            self.shown = True
-
-    def clear(self) -> None:
-        if self.shown:
-            sys.stderr.write("\r\x1b[K")
-            self.shown = False

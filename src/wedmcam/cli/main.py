@@ -15,6 +15,7 @@ from wedmcam.cli.config import config_command
 from wedmcam.cli.files import Failed, Unreadable, check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import LENGTH, POINT
 from wedmcam.cli.profiles import profile_group
+from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import Configured
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
@@ -130,9 +131,10 @@ def _compiled(
     ask.check_source(input_, asked["from_"])
     options = ask.options_of(asked)
     data = read_input(input_)
-    made = api.compile(
-        data, profile=machine, name=_name(input_), output_name=output, options=options
-    )
+    with waiting(f"compiling {_name(input_)}"):
+        made = api.compile(
+            data, profile=machine, name=_name(input_), output_name=output, options=options
+        )
     say.say_findings(made.findings, _name(input_), asked["quiet"])
     if not made.ok and asked["json_"] and output:
         say.say_json(made.summary)
@@ -239,20 +241,23 @@ def verify_command(
     check_outputs([program, *([against] if against else [])], outputs)
     if plot_ is not None:
         _check_picture(plot_)
-    proof = api.verify(
-        read_input(program),
-        against=None if against is None else read_input(against),
-        profile=machine,
-        name=_name(program),
-        against_name=against,
-        origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
-        certificate=issued,
-        options=options,
-    )
+    data, drawing = read_input(program), None if against is None else read_input(against)
+    with waiting(f"verifying {_name(program)}"):
+        proof = api.verify(
+            data,
+            against=drawing,
+            profile=machine,
+            name=_name(program),
+            against_name=against,
+            origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
+            certificate=issued,
+            options=options,
+        )
     if metamorphic:
-        if against is None:
+        if against is None or drawing is None:
             raise click.UsageError("--metamorphic compiles the drawing: give --against INPUT")
-        proof = api.with_images(proof, read_input(against), against, options)
+        with waiting("compiling images"):
+            proof = api.with_images(proof, drawing, against, options)
     say.say_findings(proof.findings, _name(program), asked["quiet"])
     files = []
     if certificate is not None and issued is None and proof.ok:
@@ -356,13 +361,14 @@ def diff_command(
         one, two = read_input(a), read_input(b)
     except Failed as why:
         raise Unreadable(why.message) from why
-    found, said = api.diff(
-        one,
-        two,
-        within_mm=within_um / 1000,
-        names=(_name(a), _name(b)),
-        profiles=(machines[0], machines[1]),
-    )
+    with waiting(f"comparing {_name(a)} and {_name(b)}"):
+        found, said = api.diff(
+            one,
+            two,
+            within_mm=within_um / 1000,
+            names=(_name(a), _name(b)),
+            profiles=(machines[0], machines[1]),
+        )
     if found is None:
         say.say_findings(said, a)
         return 2
@@ -401,7 +407,9 @@ def inspect_command(input_: str, **asked: Any) -> int:
         offset_um=1.0 if side else None,  # a side needs one; it is not used
         strict=asked["strict"],
     )
-    seen = api.inspect(read_input(input_), name=_name(input_), options=options)
+    data = read_input(input_)
+    with waiting(f"inspecting {_name(input_)}"):
+        seen = api.inspect(data, name=_name(input_), options=options)
     say.say_findings(seen.findings, _name(input_), asked["quiet"])
     if asked["json_"]:
         say.say_json(seen.facts)
@@ -429,19 +437,24 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     check_outputs([input_], [output])
     _check_picture(output)
     data = read_input(input_)
-    if Path(input_).suffix.lower() in FORMAT_OF_SUFFIX or _is_program(data):
-        machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
-        made: Any = api.verify(data, profile=machine, name=_name(input_), options=Options())
-    elif contours:
-        options = ask.options_of({**asked, "side": None, "offset_um": None})
-        made = api.inspect(data, name=_name(input_), options=options)
-    else:
-        machine = ask.machine_of(asked["profile"], None)
-        made = api.compile(data, profile=machine, name=_name(input_), options=ask.options_of(asked))
+    name = _name(input_)
+    made: Any
+    is_program = Path(input_).suffix.lower() in FORMAT_OF_SUFFIX or _is_program(data)
+    machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
+    if contours and not is_program:
+        asked |= {"side": None, "offset_um": None, "wire_um": None, "gap_um": None}
+    options = Options() if is_program else ask.options_of(asked)
+    with waiting(f"drawing {name}"):
+        if is_program:
+            made = api.verify(data, profile=machine, name=name, options=options)
+        elif contours:
+            made = api.inspect(data, name=name, options=options)
+        else:
+            made = api.compile(data, profile=machine, name=name, options=options)
     say.say_findings(made.findings, _name(input_), asked["quiet"])
     if getattr(made, "program", None) is None and getattr(made, "drawn", None) is None:
         return int(made.status)
-    write_outputs([(output, _picture(made, Path(input_).name, output))])
+    write_outputs([(output, _picture(made, Path(name).name, output))])
     return int(made.status)
 
 

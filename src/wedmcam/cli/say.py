@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 def coloured() -> bool:
     """Return whether standard error takes colours."""
-    return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return sys.stderr.isatty() and not plain
 
 
 def say_findings(

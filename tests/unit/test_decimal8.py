@@ -374,8 +374,10 @@ def test_rounding_to_integers_and_places(value, ndigits, expected):
     if ndigits is None:
         assert isinstance(round(Decimal8(value)), int)
         assert Decimal8Array([value]).rint().tolist() == [expected]
+        assert round(Decimal8Array([value])).tolist() == [expected]
     else:
         assert text(np.round(Decimal8Array([value]), ndigits)) == [str(Decimal8(expected))]
+        assert text(round(Decimal8Array([value]), ndigits)) == [str(Decimal8(expected))]
 
 
 def test_to_int():

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wedmcam.decimal8 import convert, functions, kernel
 from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO
-from wedmcam.decimal8.held import Floats, floats, parts
+from wedmcam.decimal8.held import Floats, beside, floats, parts
 from wedmcam.decimal8.methods import Methods
 from wedmcam.decimal8.scalar import Decimal8, parts_of
 
@@ -142,7 +142,15 @@ class Decimal8Array(Methods):
         """Return the exact values as (nested lists of) `decimal.Decimal`."""
         if self.ndim == 0:
             return self.item().decimal
-        return [x.tolist() if isinstance(x, Decimal8Array) else x.decimal for x in self]
+        if self.ndim > 1:
+            return [line.tolist() for line in self]
+        m, e = parts(self._v)
+        k = e - DIGITS
+        for step in (4, 2, 1):  # zeros behind the point
+            strip = (m % 10**step == 0) & (k <= -step)
+            m, k = np.where(strip, m // 10**step, m), np.where(strip, k + step, k)
+        k[m == 0] = 0
+        return [Decimal(f"{n}E{power}") for n, power in zip(m.tolist(), k.tolist(), strict=True)]
 
     def item(self, *index: int) -> Decimal8:
         """Return one element; without an index, the only one."""
@@ -264,6 +272,10 @@ class Decimal8Array(Methods):
 
     def __abs__(self) -> Decimal8Array:
         return self._of(np.abs(self._v))
+
+    def __round__(self, ndigits: int | None = None) -> Any:
+        """Round to whole numbers, or to ``ndigits`` places behind the point; ties away from 0."""
+        return self.rint() if ndigits is None else np.round(self, ndigits)
 
     def sqrt(self) -> Decimal8Array:
         """Return the square root.
@@ -476,13 +488,10 @@ def _all_apart(x: NDArray[Any]) -> tuple[Floats, NDArray[Any]]:
     usual = np.abs(values) < 9e98  # others, NaN among them, one by one
     named = convert.from_floats(np.where(usual, values, 0.0))
     rests = np.sign(np.where(usual, values - named, 0.0)).astype(np.int64)
-    # The float that names a number need not be equal to it: it is if the number is a binary
-    # fraction, and at most 10^11 times its mantissa. The few others are looked at exactly.
-    m, e = parts(named)
-    k = np.where(m == 0, 0, e) - DIGITS
-    fraction = (k < -11) | (m % 5 ** np.clip(-k, 0, 11) != 0)
-    doubtful = (values == named) & (m != 0) & (fraction | (k > 11)) | ~usual
-    for i in np.flatnonzero(doubtful):
+    # The float that names a number need not be equal to it.
+    same = np.flatnonzero((values == named) & (named != 0))
+    rests.flat[same] = beside(named.ravel()[same])
+    for i in np.flatnonzero(~usual):
         near, rests.flat[i] = _apart(float(values.flat[i]))
         named.flat[i] = near.item()
     return named, rests

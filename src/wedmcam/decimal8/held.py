@@ -141,6 +141,21 @@ def pair(m: NDArray[Any], e: NDArray[Any]) -> tuple[Floats, Floats]:
     return total, rest - (total - p)
 
 
+def beside(values: Floats) -> Ints:
+    """Return the signs of what is left of floats when the numbers that they name are taken away."""
+    m, e = parts(values)
+    k = np.where(m == 0, 0, e) - DIGITS
+    with np.errstate(all="ignore"):
+        # value 10^-k - m, or value - m 10^k: each product in two exact parts.
+        p, p_rest = product(values, ten(np.maximum(-k, 0)))
+        t, t_rest = product(m.astype(np.float64), ten(np.maximum(k, 0)))
+        signs = np.nan_to_num(np.sign((p - t) + (p_rest - t_rest))).astype(np.int64)
+    for i in np.flatnonzero(np.abs(k) > EXACT_TEN):
+        rest = Fraction(float(values[i])) - int(m[i]) * Fraction(10) ** int(k[i])
+        signs[i] = (rest > 0) - (rest < 0)
+    return signs
+
+
 # --- from mantissas and exponents -------------------------------------------------------------
 
 

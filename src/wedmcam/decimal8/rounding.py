@@ -115,7 +115,7 @@ def rounded(
             y.fill(one)
             return y
     cell = cells(y, work.cell)
-    scale = _SCALE[cell] if work.scale is None else _SCALE.take(cell, None, work.scale, "clip")
+    scale = _looked_up(_SCALE, cell, work)
     s = np.multiply(y, scale, spare)
     whole = np.rint(s, work.whole)
     off = np.subtract(s, whole, s)
@@ -128,25 +128,25 @@ def rounded(
         whole.item(whole.argmax()) < _LAST and whole.item(whole.argmin()) > -_LAST
     )
     if sure and kept:
-        return _restored(whole, scale, cell, work.out)
+        return _restored(whole, scale, cell, work)
     size = np.abs(off)
     if ties and kept and size.item(size.argmax()) < 1.0:
         if ties is True:
             np.add(whole, off, s)
             np.add(s, np.copysign(_NEAR, s), s)
-            return _restored(np.rint(s, whole), scale, cell, work.out)
+            return _restored(np.rint(s, whole), scale, cell, work)
         at = (size >= _SURE).ravel().nonzero()[0]
         if ties(*(a if a.size == 1 else _pick(a, at, y.shape) for a in operands)):
             few = whole.ravel()[at]
             few += off.ravel()[at]
             few += np.copysign(_NEAR, few)
             whole.flat[at] = np.rint(few)
-            return _restored(whole, scale, cell, work.out)
+            return _restored(whole, scale, cell, work)
     hard = ~(size < _SURE)
     if not kept:
         hard |= ~(np.abs(whole) < _LAST)
     at = np.flatnonzero(hard)
-    out = _restored(whole, scale, cell, work.out)
+    out = _restored(whole, scale, cell, work)
     out.flat[at] = checked(*settle(*(_pick(a, at, y.shape) for a in operands)), at + work.start)
     return out
 
@@ -184,12 +184,17 @@ def _one(
     return math.copysign(whole / scale if scale >= 1.0 else whole * _UPS[decade], y)
 
 
-def _restored(whole: Floats, scale: Floats, cell: Ints, out: Floats | None) -> Floats:
-    """Return the numbers of scaled mantissas, which are overwritten."""
+def _restored(whole: Floats, scale: Floats, cell: Ints, work: Work) -> Floats:
+    """Return the numbers of scaled mantissas; these and the scale are overwritten."""
+    out = whole if work.out is None else work.out
     if scale.item(scale.argmin()) >= 1.0:
-        return np.divide(whole, scale, whole if out is None else out)
-    np.multiply(whole, _UP[cell], whole)
-    return np.divide(whole, _DOWN[cell], whole if out is None else out)
+        return np.divide(whole, scale, out)
+    np.multiply(whole, _looked_up(_UP, cell, work), whole)
+    return np.divide(whole, _looked_up(_DOWN, cell, work), out)
+
+
+def _looked_up(table: Floats, cell: Ints, work: Work) -> Floats:
+    return table[cell] if work.scale is None else table.take(cell, None, work.scale, "clip")
 
 
 def _flat(a: Floats, shape: tuple[int, ...]) -> Floats:

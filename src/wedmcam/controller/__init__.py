@@ -7,7 +7,7 @@ whole arrays of blocks. Tests prove them equal; everything fast uses the closed 
 from wedmcam.controller.closed import Motion, position, run
 from wedmcam.controller.deviate import deviation
 from wedmcam.controller.ends import ArcEnd, arc_end
-from wedmcam.controller.path import trace
+from wedmcam.controller.path import places, trace
 from wedmcam.controller.reverse import reversals
 from wedmcam.controller.steps import (
     Step,
@@ -29,6 +29,7 @@ __all__ = [
     "deviation",
     "line_axis",
     "line_steps",
+    "places",
     "position",
     "reversals",
     "run",

@@ -16,7 +16,7 @@ from wedmcam.controller.closed import EXACT, Motion, line_frame, run
 from wedmcam.ir.program import Kind, LineTable
 
 #: Steps computed at a time: their temporaries fit the second-level cache.
-PIECE = 16384
+PIECE = 32768
 
 #: Runs from this length on are computed each on its own, with scalar constants; the calls cost some
 #: 8 us a piece. Shorter ones go together, at about 5 ns a step for repeating the constants.
@@ -79,8 +79,11 @@ def _arc_runs(blocks: NDArray[np.void], rows: Ints, moves: Motion) -> NDArray[np
     return runs
 
 
-def _many(runs: NDArray[np.void], ramp: Floats, out: Ints) -> None:
-    """Fill ``out`` with the steps of short runs, side by side; ``ramp`` is 1, 2, ..."""
+Columns = tuple[NDArray[Any], NDArray[Any]]
+
+
+def _many(runs: NDArray[np.void], ramp: Floats, out: Columns) -> None:
+    """Fill x and y with the steps of short runs, side by side; ``ramp`` is 1, 2, ..."""
     length = runs["length"]
 
     def spread(values: Floats) -> Floats:
@@ -105,23 +108,23 @@ def _many(runs: NDArray[np.void], ramp: Floats, out: Ints) -> None:
         along_q *= e
         along_q /= spread(runs["d"])
         u += np.ceil(along_q, out=along_q)
-    for column, name in enumerate("xy"):
+    for target, name in zip(out, "xy", strict=True):
         value = spread(runs[name + "u"])
         value *= u
         by_e = spread(runs[name + "e"])
         by_e *= e
         value += by_e
         value += spread(runs[name + "0"])
-        out[:, column] = value
+        target[:] = value
 
 
-def _one(one: tuple[Any, ...], ramp: Floats, scratch: Floats, out: Ints) -> None:
-    """Fill ``out`` with the steps of one long run, piece by piece; ``ramp`` is 1, 2, ..."""
-    _, _, is_arc, shift, c, d, x0, xu, xe, y0, yu, ye = one
-    for first in range(0, len(out), PIECE):
-        target = out[first : first + PIECE]
-        e, u, value = scratch[:, : len(target)]
-        np.add(ramp[: len(target)], first - shift, out=e)
+def _one(one: tuple[Any, ...], ramp: Floats, scratch: Floats, out: Columns) -> None:
+    """Fill x and y with the steps of one long run, piece by piece; ``ramp`` is 1, 2, ..."""
+    _, length, is_arc, shift, c, d, x0, xu, xe, y0, yu, ye = one
+    for first in range(0, length, PIECE):
+        n = min(PIECE, length - first)
+        e, u, value = scratch[:, :n]
+        np.add(ramp[:n], first - shift, out=e)
         if is_arc:
             np.multiply(e, e, out=u)
             np.subtract(c, u, out=u)
@@ -129,21 +132,81 @@ def _one(one: tuple[Any, ...], ramp: Floats, scratch: Floats, out: Ints) -> None
             u -= e
             u *= 0.5
             np.floor(u, out=u)
-        elif len(out) * c < EXACT:
+        elif length * c < EXACT:
             np.multiply(e, c, out=u)
             u /= d
             np.ceil(u, out=u)
         else:  # millions of steps along a ratio of large numbers
             u[:] = -((e.astype(np.int64) * -int(c)) // int(d))
-        for column, (by_u, by_e, zero) in enumerate(((xu, xe, x0), (yu, ye, y0))):
+        for column, by_u, by_e, zero in ((out[0], xu, xe, x0), (out[1], yu, ye, y0)):
             sign, walked = by_e or by_u, u
             if by_e:
                 walked = (np.add if by_u == by_e else np.subtract)(e, u, out=value)
+            target = column[first : first + n]
+            result = target if target.dtype == np.float64 else value
             if sign > 0:
-                np.add(walked, zero, out=value)
+                np.add(walked, zero, out=result)
             else:
-                np.subtract(zero, walked, out=value)
-            target[:, column] = value
+                np.subtract(zero, walked, out=result)
+            if result is value:
+                target[:] = value
+
+
+def _fill(runs: NDArray[np.void], x: NDArray[Any], y: NDArray[Any]) -> None:
+    """Fill x and y, int64 or float64, with the places after every step of the runs."""
+    ramp = np.arange(1.0, PIECE + LONG + 1.0)
+    scratch = np.empty((3, PIECE))
+    ends = np.cumsum(runs["length"])
+    long_rows = np.flatnonzero(runs["length"] >= LONG)
+    long_runs = iter(runs[long_rows].tolist())
+    long_at = iter([*long_rows.tolist(), len(runs)])
+    i = done = 0
+    next_long = next(long_at)
+    while i < len(runs):
+        if i == next_long:
+            _one(next(long_runs), ramp, scratch, (x[done : ends[i]], y[done : ends[i]]))
+            j, next_long = i + 1, next(long_at)
+        else:
+            # As many short runs as fill a piece, up to the next long one.
+            j = min(int(np.searchsorted(ends, done + PIECE)) + 1, next_long)
+            _many(runs[i:j], ramp, (x[done : ends[j - 1]], y[done : ends[j - 1]]))
+        i, done = j, int(ends[j - 1])
+
+
+def _runs_of(blocks: NDArray[np.void], moves: Motion, table: LineTable) -> NDArray[np.void]:
+    """Return the runs of blocks in the order of the path, from the start of the first block."""
+    steps = moves.steps
+    is_arc = blocks["kind"] == Kind.ARC
+    lines, arcs = np.flatnonzero((steps > 0) & ~is_arc), np.flatnonzero((steps > 0) & is_arc)
+    runs = _line_runs(blocks, lines, moves, table)
+    if len(arcs):
+        runs = np.concatenate([runs, _arc_runs(blocks, arcs, moves)])
+        runs = runs[np.argsort(runs["block"], kind="stable")]
+    return runs
+
+
+def places(
+    blocks: NDArray[np.void], moves: Motion, x: Floats, y: Floats, table: LineTable
+) -> tuple[Floats, Floats]:
+    """Return where the machine stands after every step of blocks that stand anywhere, float64.
+
+    Args:
+        blocks: dtype ``BLOCK``, any choice of those of a program.
+        moves: of ``run``, for these blocks.
+        x: where each block starts, um.
+        y: likewise.
+        table: of the lines.
+
+    Returns:
+        x and y after each step, one block after the other; whole um.
+    """
+    runs = _runs_of(blocks, moves, table)
+    runs["x0"] += x[runs["block"]]
+    runs["y0"] += y[runs["block"]]
+    total = int(runs["length"].sum())
+    out_x, out_y = np.empty(total), np.empty(total)
+    _fill(runs, out_x, out_y)
+    return out_x, out_y
 
 
 def trace(
@@ -171,30 +234,8 @@ def trace(
     first = np.cumsum(steps) - steps
     out = np.empty((int(steps.sum()) + 1, 2), np.int64)
     out[0] = 0
-    is_arc = blocks["kind"] == Kind.ARC
-    lines, arcs = np.flatnonzero((steps > 0) & ~is_arc), np.flatnonzero((steps > 0) & is_arc)
-    runs = _line_runs(blocks, lines, moves, table)
-    if len(arcs):
-        runs = np.concatenate([runs, _arc_runs(blocks, arcs, moves)])
-        runs = runs[np.argsort(runs["block"], kind="stable")]
+    runs = _runs_of(blocks, moves, table)
     runs["x0"] += (np.cumsum(moves.dx) - moves.dx)[runs["block"]]
     runs["y0"] += (np.cumsum(moves.dy) - moves.dy)[runs["block"]]
-
-    ramp = np.arange(1.0, PIECE + LONG + 1.0)
-    scratch = np.empty((3, PIECE))
-    ends = np.cumsum(runs["length"])
-    long_rows = np.flatnonzero(runs["length"] >= LONG)
-    long_runs = iter(runs[long_rows].tolist())
-    long_at = iter([*long_rows.tolist(), len(runs)])
-    i = done = 0
-    next_long = next(long_at)
-    while i < len(runs):
-        if i == next_long:
-            _one(next(long_runs), ramp, scratch, out[done + 1 : ends[i] + 1])
-            j, next_long = i + 1, next(long_at)
-        else:
-            # As many short runs as fill a piece, up to the next long one.
-            j = min(int(np.searchsorted(ends, done + PIECE)) + 1, next_long)
-            _many(runs[i:j], ramp, out[done + 1 : ends[j - 1] + 1])
-        i, done = j, int(ends[j - 1])
+    _fill(runs, out[1:, 0], out[1:, 1])
     return out, first

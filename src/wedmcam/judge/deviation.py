@@ -66,7 +66,7 @@ class Measured:
         return np.maximum(np.maximum(-self.low, self.high), self.gap)
 
 
-class _Pieces(NamedTuple):
+class Pieces(NamedTuple):
     """Places of a chunk parted at the route's vertices; pieces may be empty."""
 
     segment: Ints
@@ -92,7 +92,7 @@ def measure(
     """
     out = Measured(len(index))
     reached = -np.inf
-    for rows in _chunks(np.maximum(walk.steps[index], 1)):
+    for rows in chunks(np.maximum(walk.steps[index], 1)):
         x, y, steps = walk.points(index[rows])
         pieces, vertex, place = _part(walk, index[rows], x, y, steps, low[rows], high[rows], route)
         v, t, exact = _foot(x, y, pieces, route)
@@ -107,11 +107,11 @@ def measure(
         e = out.extents
         e[:] = min(e[0], x.min()), min(e[1], y.min()), max(e[2], x.max()), max(e[3], y.max())
         if kept is not None:
-            _gouge(out, kept, x, y, v, pieces, rows.start)
+            gouge_of(out, kept, x, y, v, pieces, rows.start)
     return out
 
 
-def _chunks(steps: Ints) -> Iterator[slice]:
+def chunks(steps: Ints) -> Iterator[slice]:
     """Yield slices of blocks of about `CHUNK` places; at least one block each."""
     total = np.cumsum(steps)
     low = 0
@@ -131,14 +131,14 @@ def _part(
     low: Floats,
     high: Floats,
     route: Route,
-) -> tuple[_Pieces, Ints, Ints]:
+) -> tuple[Pieces, Ints, Ints]:
     """Part blocks at vertices; also return inner vertices (ending a segment) and their places."""
     s0 = np.searchsorted(route.at, low, "right") - 1
     s1 = np.maximum(np.searchsorted(route.at, high, "left") - 1, s0)
     none = np.zeros(0, np.int64)
     blocks = np.arange(len(index))
     if (s0 == s1).all():
-        return _Pieces(s0, blocks, steps, low, high), none, none
+        return Pieces(s0, blocks, steps, low, high), none, none
     n = s1 - s0 + 1
     block = np.repeat(blocks, n)
     head = np.cumsum(n) - n
@@ -159,7 +159,7 @@ def _part(
         vertices.append(inner)
         places.append(np.clip(first[b] + at - 1, 0, len(x) - 1))
     return (
-        _Pieces(segment, block, count, piece_low, piece_high),
+        Pieces(segment, block, count, piece_low, piece_high),
         np.concatenate(vertices),
         np.concatenate(places),
     )
@@ -196,7 +196,7 @@ def _pass(
     return np.asarray(np.clip(at, 0, len(x)))
 
 
-def _foot(x: Floats, y: Floats, p: _Pieces, route: Route) -> tuple[Floats, Floats, Bools]:
+def _foot(x: Floats, y: Floats, p: Pieces, route: Route) -> tuple[Floats, Floats, Bools]:
     """Return signed distance (left > 0) to the carrier, progress, and pieces to do exactly."""
     s = route.segments.take(p.segment)
     arc = s.turn != 0
@@ -216,7 +216,7 @@ def _foot(x: Floats, y: Floats, p: _Pieces, route: Route) -> tuple[Floats, Float
         x[rows], y[rows], s.mx[line], s.my[line], s.ax[line], s.ay[line], at[line], p.count[line]
     )
     rows = np.flatnonzero(on_arc)
-    part = _Pieces(p.segment[arc], p.block[arc], p.count[arc], p.low[arc], p.high[arc])
+    part = Pieces(p.segment[arc], p.block[arc], p.count[arc], p.low[arc], p.high[arc])
     v[rows], t[rows] = _arcs(x[rows], y[rows], s.take(arc), at[arc], part)
     return v, t, exact
 
@@ -244,7 +244,7 @@ def _lines(
     return v, qx
 
 
-def _arcs(x: Floats, y: Floats, s, at: Floats, p: _Pieces) -> tuple[Floats, Floats]:  # type: ignore[no-untyped-def]
+def _arcs(x: Floats, y: Floats, s, at: Floats, p: Pieces) -> tuple[Floats, Floats]:  # type: ignore[no-untyped-def]
     """Return signed distance and progress beside arcs, unwound where an arc is over 230 degrees."""
     qx = x - np.repeat(s.cx, p.count)
     qy = y - np.repeat(s.cy, p.count)
@@ -274,7 +274,7 @@ def _arcs(x: Floats, y: Floats, s, at: Floats, p: _Pieces) -> tuple[Floats, Floa
 
 
 def _near_ends(
-    x: Floats, y: Floats, v: Floats, t: Floats, exact: Bools, p: _Pieces, route: Route
+    x: Floats, y: Floats, v: Floats, t: Floats, exact: Bools, p: Pieces, route: Route
 ) -> None:
     """Correct ``v`` where places lie beside the ends of their piece; tiny arcs throughout."""
     low, high = np.repeat(p.low, p.count), np.repeat(p.high, p.count)
@@ -297,7 +297,7 @@ def _near_ends(
 
 
 def _stray(
-    t: Floats, reached: float, first: Ints, p: _Pieces, before: Floats | None
+    t: Floats, reached: float, first: Ints, p: Pieces, before: Floats | None
 ) -> tuple[Floats, float]:
     """Return how far each block strays from a run through its pieces, and the progress reached."""
     if before is None:
@@ -331,7 +331,7 @@ def _gaps(
     ends: Ints,
     high: Floats,
     route: Route,
-    p: _Pieces,
+    p: Pieces,
 ) -> None:
     """Fill ``gap``: vertices at block ends, and vertices that a block passes."""
     last = np.flatnonzero(np.diff(p.block, append=-1))
@@ -346,8 +346,8 @@ def _gaps(
     np.maximum.at(gap, owners, np.sqrt((dx * dx + dy * dy).min(axis=1)))
 
 
-def _gouge(
-    out: Measured, kept: Kept, x: Floats, y: Floats, v: Floats, p: _Pieces, base: int
+def gouge_of(
+    out: Measured, kept: Kept, x: Floats, y: Floats, v: Floats, p: Pieces, base: int
 ) -> None:
     """Find the deepest place, trying exactly only those that may be deeper than the best known."""
     some = np.flatnonzero(p.count > 0)
@@ -374,7 +374,7 @@ def _try_places(
     x: Floats,
     y: Floats,
     v: Floats,
-    p: _Pieces,
+    p: Pieces,
     base: int,
     start: Ints,
     held: Ints,

@@ -34,6 +34,9 @@ from wedmcam.judge.segments import (
 #: the weaker bound holds.
 WIDTH = 2.0
 
+#: What is no deeper than this needs no closer bound, um: the stair alone reaches it on most parts.
+SHALLOW = 1.2
+
 #: Fractions of a segment at which it is asked whether the wire reaches it.
 FRACTIONS = np.array([0.02, 0.25, 0.5, 0.75, 0.98])
 
@@ -47,36 +50,66 @@ class Kept(NamedTuple):
         part: whether the inside is kept.
         here: offset minus the distance of each segment of the route from the outlines, um: how far
             the exact route is too near. -inf where the segment is not judged (an open contour).
-        left: offset + WIDTH minus the distance of the segment moved `WIDTH` to its left: 0 where
-            that is away from all outlines, 2 WIDTH where it is towards them.
-        right: likewise to its right.
+        sides: offset + WIDTH minus the distance of the segment moved `WIDTH` to its left, and to
+            its right, shape (2, segments): 0 where that is away from all outlines, 2 WIDTH where
+            it is towards them. NaN where nobody has asked yet.
         first: for each segment of the route, where its outlines begin in ``near``.
         near: outlines beside the segments of the route.
+        route: the segments of the route.
     """
 
     outlines: Segments
     offset: float
     part: bool
     here: Floats
-    left: Floats
-    right: Floats
+    sides: Floats
     first: Ints
     near: Ints
+    route: Segments
+
+    def _ask(self, segment: Ints) -> None:
+        """Fill ``sides`` of segments of the route."""
+        asked = np.flatnonzero(np.bincount(segment, minlength=len(self.here)))
+        asked = asked[np.isnan(self.sides[0, asked])]
+        if not len(asked):
+            return
+        count = self.first[asked + 1] - self.first[asked]
+        head = np.cumsum(count) - count
+        pair = np.arange(count.sum()) + np.repeat(self.first[asked] - head, count)
+        rows = np.repeat(asked, count)
+        least = np.full((2, len(asked)), np.inf)
+        if len(pair):
+            # Both sides in one call: calls cost as much as pairs.
+            both = shifted(self.route.take(np.tile(rows, 2)), np.repeat([WIDTH, -WIDTH], len(rows)))
+            d = segment_distance(both, self.outlines.take(np.tile(self.near[pair], 2)))
+            held = count > 0
+            for side in (0, 1):
+                part = d[side * len(rows) : (side + 1) * len(rows)]
+                least[side, held] = np.minimum.reduceat(part, head[held])
+        self.sides[:, asked] = self.offset + WIDTH - np.minimum(least, _reach(self.offset))
 
     def bound_piece(self, segment: Ints, low: Floats, high: Floats) -> Floats:
         """Return how deep places may be that lie from ``low`` (right) to ``high`` (left), um."""
-        out = np.full(len(segment), -np.inf)
-        for away, side in ((np.maximum(high, 0.0), self.left), (np.maximum(-low, 0.0), self.right)):
-            grow = self.here[segment] + away
-            top = (self.here[segment] + side[segment]) / 2.0
-            out = np.maximum(out, np.where(away <= WIDTH, np.minimum(grow, top), grow))
-            out = np.where(np.isneginf(self.here[segment]), -np.inf, out)
-        return out
+        here = self.here[segment]
+        left, right = np.maximum(high, 0.0), np.maximum(-low, 0.0)
+        grow = here + np.maximum(left, right)
+        deep = np.flatnonzero(grow > SHALLOW)
+        if not len(deep):
+            return grow
+        self._ask(segment[deep])
+        out = np.full(len(deep), -np.inf)
+        for away, side in ((left[deep], self.sides[0]), (right[deep], self.sides[1])):
+            most = here[deep] + away
+            top = (here[deep] + side[segment[deep]]) / 2.0
+            out = np.maximum(out, np.where(away <= WIDTH, np.minimum(most, top), most))
+        grow[deep] = np.where(np.isneginf(here[deep]), -np.inf, out)
+        return grow
 
     def bound(self, segment: Ints, v: Floats) -> Floats:
         """Return how deep places may be that lie ``v`` to the left of their segment, um."""
+        self._ask(segment)
         away = np.abs(v)
-        side = np.where(v > 0, self.left[segment], self.right[segment])
+        side = self.sides[(v <= 0).astype(np.int64), segment]
         grow = self.here[segment] + away
         shrink = np.where(away <= WIDTH, side - away, np.inf)
         return np.asarray(np.minimum(grow, shrink))
@@ -110,6 +143,11 @@ class Kept(NamedTuple):
         return inside if self.part else ~inside
 
 
+def _reach(offset: float) -> float:
+    """How far from the route outlines matter, um."""
+    return offset + 2.0 * WIDTH + 1.0
+
+
 def kept_material(plan: Plan, route: Route, judged: np.ndarray) -> Kept | None:
     """Return the kept material of a plan beside a route; None where no side was asked for.
 
@@ -122,27 +160,20 @@ def kept_material(plan: Plan, route: Route, judged: np.ndarray) -> Kept | None:
         return None
     outlines, _ = of_contours([c for c in plan.outlines if c.closed])
     s = route.segments
-    reach = plan.offset_um + 2.0 * WIDTH + 1.0
+    reach = _reach(plan.offset_um)
     i, j = near_pairs(boxes(s, reach), boxes(outlines))
     use = judged[route.cut[i]]
     i, j = i[use], j[use]
     first = np.searchsorted(i, np.arange(len(s) + 1))
-    theirs = outlines.take(j)
-
-    def least(moved: Segments) -> Floats:
-        out = np.full(len(s), reach)
-        if len(i):
-            held = np.flatnonzero(np.diff(first) > 0)
-            d = segment_distance(moved.take(i), theirs)
-            out[held] = np.minimum(np.minimum.reduceat(d, first[held]), reach)
-        return out
-
-    offset = plan.offset_um
-    here = offset - least(s)
+    least = np.full(len(s), reach)
+    if len(i):
+        held = np.flatnonzero(np.diff(first) > 0)
+        d = segment_distance(s.take(i), outlines.take(j))
+        least[held] = np.minimum(np.minimum.reduceat(d, first[held]), reach)
+    here = plan.offset_um - least
     here[~judged[route.cut]] = -np.inf
-    left = offset + WIDTH - least(shifted(s, WIDTH))
-    right = offset + WIDTH - least(shifted(s, -WIDTH))
-    return Kept(outlines, offset, plan.side is Side.PART, here, left, right, first, j)
+    sides = np.full((2, len(s)), np.nan)
+    return Kept(outlines, plan.offset_um, plan.side is Side.PART, here, sides, first, j, s)
 
 
 def wrong_side(

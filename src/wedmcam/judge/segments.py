@@ -213,7 +213,7 @@ def reverse(s: Segments) -> Segments:
     return r.take(slice(None, None, -1))
 
 
-def shifted(s: Segments, left_um: float) -> Segments:
+def shifted(s: Segments, left_um: float | Floats) -> Segments:
     """Return each segment moved ``left_um`` to its left; an arc's radius never falls below 0.
 
     The pieces of a contour do not meet any more afterwards; only each for itself is meant.

@@ -1,9 +1,9 @@
 """The figures of a program from as few of its places as will do.
 
 Most blocks are proven by their bounds (``bounds``). Measured (``deviation``) are the others, and
-those that may hold an extreme: most promising first, until no bound is above the largest figure
-found. If anything measured is over a limit, everything is measured, so that findings name the first
-block and tell exact numbers.
+those that may hold an extreme (``extremes``): most promising first, until no bound is above the
+largest figure found. If anything measured is over a limit, everything is measured, so that findings
+name the first block and tell exact numbers.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 
 from wedmcam.judge.bounds import Bounds, bound, extents
 from wedmcam.judge.deviation import CHUNK, SLOP, Measured, measure
+from wedmcam.judge.extremes import extremes
 from wedmcam.judge.material import Kept
 from wedmcam.judge.route import Route
 from wedmcam.judge.segments import Bools, Floats, Ints
@@ -64,14 +65,14 @@ def survey(
     if way.textbook or not len(index):
         return everything(way, index, low, high, route, kept)
     b = bound(way, index, low, high, route)
-    known = b.known & (b.over <= SHARE) & (b.under + b.back <= SHARE) & (b.short <= SHARE)
-    known &= b.deviation <= path_limit_um
+    runs = b.known & (b.over <= SHARE) & (b.under + b.back <= SHARE) & (b.short <= SHARE)
+    known = runs & (b.deviation <= path_limit_um)
     deepest = np.full(len(index), -np.inf)
     if kept is not None:
         segment = np.maximum(np.searchsorted(route.at, low, "right") - 1, 0)
         deepest = kept.bound_piece(segment, b.low, b.high)
         known &= deepest <= gouge_limit_um
-    held = _Held(way, index, low, high, route, kept, b, known)
+    held = _Held(way, index, low, high, route, kept, b, runs)
     held.settle(lead, deepest, ~known)
     if held.failed(path_limit_um, gouge_limit_um):
         return everything(way, index, low, high, route, kept)
@@ -107,37 +108,41 @@ class _Held:
         route: Route,
         kept: Kept | None,
         bounds: Bounds,
-        known: Bools,
+        runs: Bools,
     ) -> None:
         self.way, self.index, self.low, self.high = way, index, low, high
         self.route, self.kept = route, kept
-        self.deviation = np.where(known, bounds.deviation, np.inf)
+        self.runs = runs  # along one segment and in order, as the bounds prove
+        self.deviation = np.where(runs, bounds.deviation, np.inf)
         self.stray = np.zeros(len(index))
         self.exact = np.zeros(len(index), bool)
         # What the block before may have reached: only as far as its bound says.
-        reached = np.where(known, self.high + bounds.over, -np.inf)
+        reached = np.where(runs, self.high + bounds.over, -np.inf)
         self.before = np.concatenate([[-np.inf], reached[:-1]])
         self.gouge, self.gouge_at, self.gouge_block = -np.inf, (0.0, 0.0), -1
 
     def measure(self, rows: Ints) -> None:
         """Measure blocks and take over what was found."""
-        if not len(rows):
-            return
-        m: Measured = measure(
-            self.way,
-            self.index[rows],
-            self.low[rows],
-            self.high[rows],
-            self.route,
-            self.kept,
-            self.before[rows],
-        )
-        self.deviation[rows] = m.deviation
-        self.stray[rows] = m.stray
+        proven = self.runs[rows]
+        for some, how in ((rows[proven], extremes), (rows[~proven], measure)):
+            if not len(some):
+                continue
+            more = () if how is extremes else (self.before[some],)
+            m: Measured = how(
+                self.way,
+                self.index[some],
+                self.low[some],
+                self.high[some],
+                self.route,
+                self.kept,
+                *more,
+            )
+            self.deviation[some] = m.deviation
+            self.stray[some] = m.stray
+            if m.gouge > self.gouge:
+                self.gouge, self.gouge_at = m.gouge, m.gouge_at
+                self.gouge_block = int(some[m.gouge_block])
         self.exact[rows] = True
-        if m.gouge > self.gouge:
-            self.gouge, self.gouge_at = m.gouge, m.gouge_at
-            self.gouge_block = int(rows[m.gouge_block])
 
     def failed(self, path_limit_um: float, gouge_limit_um: float) -> bool:
         """Return whether something measured is over a limit, or may be together with others."""

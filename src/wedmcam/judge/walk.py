@@ -73,19 +73,12 @@ class Walk(NamedTuple):
         blocks = self.blocks[index]
         if self.textbook:
             return self._textbook_points(index)
-        at, _ = controller.trace(blocks, self.table)
-        steps = np.maximum(self.steps[index], 0)
-        moved = self.end[index] - self.start[index]
-        own = np.cumsum(moved, axis=0) - moved
-        shift = self.start[index] - own
-        x, y = at[1:, 0].astype(np.float64), at[1:, 1].astype(np.float64)
-        if (shift == shift[0]).all():
-            x += shift[0, 0]
-            y += shift[0, 1]
-        else:
-            x += np.repeat(shift[:, 0], steps)
-            y += np.repeat(shift[:, 1], steps)
-        return x, y, steps
+        start, moved = self.start[index], self.end[index] - self.start[index]
+        moves = controller.Motion(moved[:, 0], moved[:, 1], self.steps[index])
+        x, y = controller.places(
+            blocks, moves, start[:, 0].astype(float), start[:, 1].astype(float), self.table
+        )
+        return x, y, np.maximum(self.steps[index], 0)
 
     def _textbook_points(self, index: Ints) -> tuple[Floats, Floats, Ints]:
         """Points of arcs about 1 um apart on the circle, of all else the stepped places."""

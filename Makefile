@@ -51,11 +51,8 @@ lint: $(READY)
 	$(BIN)/mypy
 
 bench: $(READY)
-	$(BIN)/python benchmarks/bench_compile.py
-	$(BIN)/python benchmarks/bench_controller.py
-	$(BIN)/python benchmarks/bench_compensate.py
-	$(BIN)/python benchmarks/bench_decimal8.py
-	$(BIN)/python benchmarks/bench_arithmetic.py
+	$(BIN)/python benchmarks/report.py docs/benchmarks.md
+	@echo "docs/benchmarks.md is written anew"
 
 docs: $(READY)
 	$(BIN)/python benchmarks/pages.py

@@ -53,11 +53,23 @@ def _said(why: Exception) -> int:
     if isinstance(why, click.Abort):
         sys.stderr.write("interrupted\n")
         return INTERRUPTED
+    if isinstance(why, click.exceptions.NoArgsIsHelpError):
+        why.show()
+        return why.exit_code
+    if isinstance(why, click.UsageError):
+        from wedmcam.cli.say import say_error
+
+        path = why.ctx.command_path if why.ctx else "wedmcam"
+        message = why.format_message().rstrip(".")
+        say_error(message[:1].lower() + message[1:], f"{path} --help")
+        return why.exit_code
     if isinstance(why, click.ClickException):
         why.show()
         return why.exit_code
     if isinstance(why, WrongUse):
-        sys.stderr.write(f"error: {why}\n")
+        from wedmcam.cli.say import say_error
+
+        say_error(str(why))
         return 2
     if isinstance(why, OSError):
         sys.stderr.write(f"error: {why.filename or 'output'}: {why.strerror or why}\n")

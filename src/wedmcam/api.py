@@ -732,6 +732,31 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
     )
 
 
+def plot_html(made: Compilation | Proof | Inspection, title: str = "") -> str:
+    """Return a page with the picture of `plot` and a table of the blocks, to click in."""
+    from wedmcam.backends.html import page
+    from wedmcam.diag.render import merged, render
+    from wedmcam.frontends.dump import dump
+
+    said = "\n".join(render(d, title) for d in merged(made.findings))
+    program = None if isinstance(made, Inspection) else made.program
+    if isinstance(made, Inspection) or program is None:
+        return page(plot(made, title), title=title, said=said)
+    rows = [
+        (
+            str(row.number),
+            row.where,
+            f"{row.kind} {row.instruction}".rstrip(),
+            "" if row.count is None else str(row.count),
+            f"{row.end[0] / 1000 + 0.0:.3f}",
+            f"{row.end[1] / 1000 + 0.0:.3f}",
+        )
+        for row in dump(program, made.machine)
+    ]
+    head = ("block", "at", "what", "J", "end x", "end y")
+    return page(plot(made, title), title=title, head=head, rows=rows, said=said)
+
+
 def positions(program: Program, machine: Machine) -> tuple[Any, Any]:
     """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
     import numpy as np

@@ -157,6 +157,10 @@ def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
     from wedmcam.transforms.lower import Target
     from wedmcam.transforms.lower import lower as lower_plan
 
+    if machine.format != "3b" and count_of(machine, options) == "textbook":
+        raise WrongUse(
+            "--count textbook is for 3B: the ZD-065 counts on the inscribed square, by stepping"
+        )
     target = Target(
         square=machine.format != "3b",
         table=LineTable(machine.line_table),

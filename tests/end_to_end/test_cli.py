@@ -86,7 +86,19 @@ TABLE = [
     ("explain open-contur", 2, "open-contour"),
     ("profile list", 0, ""),
     ("profile show zd065", 0, ""),
-    ("identify part.dxf", 1, ""),
+    ("identify part.dxf", 0, ""),
+    ("identify empty.dxf", 1, ""),
+    ("verify part.dxf", 2, "is a drawing"),
+    ("dump part.dxf", 2, "is a drawing"),
+    ("diff part.dxf old.3b", 2, "is a drawing"),
+    ("explain part.dxf --block 1", 2, "is a drawing"),
+    ("compile part.dxf -o x.3b --offset 0.1 -v", 0, "  1        1-3 "),
+    ("compile part.dxf -o x.zd --offset 0.1 --count textbook", 2, "is for 3B"),
+    ("compile part.dxf -o x.3b --offset 0.1 --profile gone.toml", 2, "gone.toml: cannot be read"),
+    ("compile part.dxf -o x.3b --units cm", 2, "error: invalid value for '--units'"),
+    ("compile", 2, "error: missing argument 'INPUT'"),
+    ("compil part.dxf", 2, "Did you mean 'compile'"),
+    ("batch part.dxf -o out --to compact --count textbook", 2, "part.dxf: error: --count"),
     ("dump old.3b", 1, "error["),
 ]
 
@@ -304,3 +316,49 @@ def test_codes_are_listed():
     assert any(line.startswith("open-contour ") for line in lines)
     assert lines == sorted(lines)
     assert wedmcam("explain").returncode == 2
+
+
+def test_what_is_typed_wins_over_the_certificate_one_by_one(folder):
+    line = "compile part.dxf -o a.3b --offset 0.1 --corner 0.3 --certificate a.json -q"
+    assert wedmcam(*line.split(), cwd=folder).returncode == 0
+    line = "verify a.3b --certificate a.json --json"
+    for more, status in (
+        ([], 0),
+        (["--order", "nearest"], 0),
+        (["--corner", "0.2"], 3),
+        (["--offset", "0.12"], 3),
+        (["--wire", "0.18", "--gap", "0.01"], 0),
+        (["--side", "on"], 3),
+    ):
+        done = wedmcam(*line.split(), *more, cwd=folder)
+        assert done.returncode == status, (more, done.stderr.decode())
+
+
+def test_a_page_to_click_in(folder):
+    line = "compile part.dxf -o a.3b --offset 0.1 --plot a.html"
+    assert wedmcam(*line.split(), cwd=folder).returncode == 0
+    page = (folder / "a.html").read_text("utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    blocks = len((folder / "a.3b").read_text().splitlines())
+    assert page.count("<tr><td>") == blocks
+    assert "<title>block 1: line" in page
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+    from xml.etree import ElementTree
+
+    body = page[page.index("<svg") : page.index("</svg>") + 6]
+    ids = [e.get("id") for e in ElementTree.fromstring(body).iter()]
+    assert "drawing" in ids  # what the script looks for
+    wedmcam("plot", "gap.dxf", "-o", "b.html", "--offset", "0.1", cwd=folder)
+    assert "open-contour" in (folder / "b.html").read_text("utf-8")
+
+
+def test_no_output_overwrites_a_profile_or_the_settings(folder):
+    shown = wedmcam("profile", "show", "b3-columns", cwd=folder).stdout
+    (folder / "mine.toml").write_bytes(shown)
+    (folder / "wedmcam.toml").write_text("offset = 0.1\n")
+    for name in ("mine.toml", "wedmcam.toml"):
+        line = f"compile part.dxf -o x.3b --profile mine.toml --certificate {name}"
+        done = wedmcam(*line.split(), cwd=folder)
+        assert done.returncode == 2
+        assert "would overwrite" in done.stderr.decode()
+    assert (folder / "mine.toml").read_bytes() == shown

@@ -182,7 +182,7 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
         WrongUse: no such profile, or one of another format.
     """
     from wedmcam import api, machines
-    from wedmcam.cli.files import read_input
+    from wedmcam.cli.files import Failed, read_input
     from wedmcam.cli.say import say_findings
     from wedmcam.options import WrongUse
 
@@ -192,6 +192,8 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
         return api.machine_for(to, profile)  # says which names are near
     try:
         text = read_input(profile).decode("utf-8")
+    except Failed as why:
+        raise WrongUse(f"the profile {why.message}") from None
     except UnicodeDecodeError:
         raise WrongUse(f"{profile}: not UTF-8") from None
     machine, found = machines.of_file(text, profile)
@@ -199,6 +201,38 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
     if machine is None:
         raise WrongUse(f"{profile}: this profile cannot be used")
     return api.machine_for(to, machine)
+
+
+#: Options of which the certificate says more than whether they were given.
+_ISSUED = {
+    "sharp": ("convex", {True: "sharp"}),
+    "trim": ("on_interference", {True: "trim"}),
+}
+
+
+def as_issued(
+    asked: dict[str, Any], certificate: dict[str, Any], typed: set[str]
+) -> dict[str, Any]:
+    """Return what was asked for, with the certificate's options where nothing was typed.
+
+    Raises:
+        WrongUse: options that this version does not know.
+    """
+    from wedmcam.options import Options
+
+    data: dict[str, Any] = certificate.get("options", {})
+    issued = Options.from_data(data)  # says what is wrong with them
+    made = dict(asked)
+    if {"offset_um", "wire_um", "gap_um"} & typed:
+        typed = typed | {"offset_um"}
+    if asked["side"] == "on":
+        typed = typed | {"offset_um"}
+    for field in data:
+        name, words = _ISSUED.get(field, (field, None))
+        if name not in typed and name != "strict":
+            value = getattr(issued, field)
+            made[name] = words[value] if words else value
+    return made
 
 
 def machine_issued(certificate: dict[str, Any]) -> Machine:

@@ -22,7 +22,7 @@ import click
 
 from wedmcam.cli.files import Failed, write_outputs
 from wedmcam.cli.progress import Bar
-from wedmcam.options import SUFFIX_OF_FORMAT
+from wedmcam.options import SUFFIX_OF_FORMAT, WrongUse
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
@@ -160,6 +160,9 @@ def make(item: Item, force_units: bool) -> Outcome:
             Path(item.output).parent.mkdir(parents=True, exist_ok=True)
             write_outputs([(item.output, made.data)])
         return Outcome(item, made.status, text, _record(item, made.status, made.summary))
+    except WrongUse as why:
+        text = f"{item.source}: error: {why}"
+        return Outcome(item, 2, text, _record(item, 2, error=str(why)))
     except (Failed, OSError) as why:
         text = f"{item.source}: {why}"
         return Outcome(item, 1, text, _record(item, 1, error=str(why)))

@@ -30,6 +30,22 @@ def read_input(name: str) -> bytes:
         raise Failed(f"{name}: cannot be read: {why.strerror or why}") from why
 
 
+def read_program(name: str) -> bytes:
+    """Return the bytes of a program.
+
+    Raises:
+        click.ClickException: it cannot be read; exit status 1.
+        WrongUse: it is a drawing.
+    """
+    from wedmcam.frontends.identify import is_drawing
+    from wedmcam.options import WrongUse
+
+    data = read_input(name)
+    if is_drawing(data):
+        raise WrongUse(f"{name} is a drawing, not a program: see wedmcam inspect and compile")
+    return data
+
+
 class Failed(click.ClickException):
     """Something outside the program failed: exit status 1, one line on standard error."""
 
@@ -37,7 +53,9 @@ class Failed(click.ClickException):
 
     def show(self, file: object = None) -> None:
         """Print the message."""
-        click.echo(f"error: {self.message}", err=True)
+        from wedmcam.cli.say import say_error
+
+        say_error(self.message)
 
 
 class Unreadable(Failed):

@@ -12,11 +12,18 @@ import click
 from wedmcam import __version__
 from wedmcam.cli import asked as ask
 from wedmcam.cli.config import config_command
-from wedmcam.cli.files import Failed, Unreadable, check_outputs, read_input, write_outputs
+from wedmcam.cli.files import (
+    Failed,
+    Unreadable,
+    check_outputs,
+    read_input,
+    read_program,
+    write_outputs,
+)
 from wedmcam.cli.lengths import LENGTH, POINT
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.settings import Configured
+from wedmcam.cli.settings import Configured, also_read, typed
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -31,9 +38,11 @@ def cli() -> None:
     """Compile drawings to wire-EDM programs, and prove every program that is written."""
 
 
-@cli.command("compile", cls=Configured)
-@click.argument("input_")
-@click.option("-o", "--output", required=True, help="Where the program goes; - for stdout.")
+@cli.command("compile", cls=Configured, short_help="Source to program, proven.")
+@click.argument("input_", metavar="INPUT")
+@click.option(
+    "-o", "--output", required=True, metavar="FILE", help="Where the program goes; - for stdout."
+)
 @click.option(
     "--to",
     metavar="FORMAT",
@@ -41,7 +50,9 @@ def cli() -> None:
 )
 @ask.compile_options
 @click.option("--certificate", metavar="FILE.json", help="Write the certificate there.")
-@click.option("--plot", "plot_", metavar="FILE.svg", help="Draw the verified program there.")
+@click.option(
+    "--plot", "plot_", metavar="FILE.svg|png|html", help="Draw the verified program there."
+)
 @click.option(
     "--map", "map_", metavar="FILE.json", help="Write there which block was drawn by what."
 )
@@ -66,7 +77,7 @@ def compile_command(
     machine = ask.machine_of(asked["profile"], ask.format_of(output, to, machine))
     ask.warn_of_name(output, machine.format)
     outputs = [name for name in (output, certificate, plot_, map_) if name is not None]
-    check_outputs([input_], outputs)
+    check_outputs([input_, *also_read(click.get_current_context())], outputs)
     if output == "-" and asked["json_"]:
         raise click.UsageError("--json and the program cannot both be standard output")
     if plot_ is not None:
@@ -94,7 +105,7 @@ def compile_command(
         files.append((map_, say.map_bytes(api.source_map(made))))
     write_outputs(files)
     if not asked["quiet"]:
-        say.say_report(made, output)
+        say.say_report(made, output, asked["verbose"])
         say.say_arithmetic(apart)
         say.say_time(made.summary, feed)
     if asked["json_"]:
@@ -102,8 +113,8 @@ def compile_command(
     return 0
 
 
-@cli.command("check", cls=Configured)
-@click.argument("input_")
+@cli.command("check", cls=Configured, short_help="Everything but writing.")
+@click.argument("input_", metavar="INPUT")
 @click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
 @ask.compile_options
 @ask.said_options
@@ -114,7 +125,7 @@ def check_command(input_: str, to: str | None, **asked: Any) -> int:
     machine = ask.machine_of(asked["profile"], to)
     made, apart = _compiled(input_, machine, "", asked)
     if made.ok and not asked["quiet"]:
-        say.say_report(made, "(not written)")
+        say.say_report(made, "(not written)", asked["verbose"])
         say.say_arithmetic(apart)
     if asked["json_"]:
         say.say_json({**made.summary, **apart})
@@ -148,7 +159,7 @@ def _name(path: str) -> str:
     return "stdin" if path == "-" else path
 
 
-@cli.command("batch", cls=Configured)
+@cli.command("batch", cls=Configured, short_help="Many drawings and folders to programs.")
 @click.argument("inputs", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR", help="Folder of the programs.")
 @click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
@@ -184,7 +195,7 @@ def batch_command(
     )
 
 
-@cli.command("verify", cls=Configured)
+@cli.command("verify", cls=Configured, short_help="Prove a program against its drawing.")
 @click.argument("program")
 @click.option("--against", metavar="INPUT", help="The drawing that the program is to cut.")
 @click.option(
@@ -200,7 +211,7 @@ def batch_command(
     help="Re-check this certificate where it exists (options and origin come from it); else write "
     "it there.",
 )
-@click.option("--plot", "plot_", metavar="FILE.svg", help="Draw the program there.")
+@click.option("--plot", "plot_", metavar="FILE.svg|png|html", help="Draw the program there.")
 @click.option(
     "--metamorphic",
     is_flag=True,
@@ -223,25 +234,25 @@ def verify_command(
     """Decode a program, run it on the controller's interpolator, compare it with the drawing."""
     from wedmcam import api
     from wedmcam.cli import say
-    from wedmcam.options import Options
 
     feed = ask.feed_of(asked)
     issued = _issued(certificate)
     if issued is not None and against is None:
         against = _drawing_of(issued, str(certificate))
+    if issued is not None:
+        asked = ask.as_issued(asked, issued, typed(click.get_current_context()))
     options = ask.options_of(asked)
-    if issued is not None and options == Options(strict=options.strict):
-        options = Options.from_data({**issued.get("options", {}), "strict": options.strict})
     machine = None
     if asked["profile"] or format_:
         machine = ask.machine_of(asked["profile"], format_)
     elif issued is not None and issued.get("profile"):
         machine = ask.machine_issued(issued)
     outputs = [name for name in (plot_, None if issued else certificate) if name is not None]
-    check_outputs([program, *([against] if against else [])], outputs)
+    context = click.get_current_context()
+    check_outputs([program, *([against] if against else []), *also_read(context)], outputs)
     if plot_ is not None:
         _check_picture(plot_)
-    data, drawing = read_input(program), None if against is None else read_input(against)
+    data, drawing = read_program(program), None if against is None else read_input(against)
     with waiting(f"verifying {_name(program)}"):
         proof = api.verify(
             data,
@@ -331,7 +342,7 @@ def _say_proof(proof: Any, verbose: bool) -> None:
         say.say_figures(proof)
 
 
-@cli.command("diff")
+@cli.command("diff", short_help="Compare two programs as step paths.")
 @click.argument("a")
 @click.argument("b")
 @click.option("--within", "within_um", type=LENGTH, default="1um", help="As far apart is equal.")
@@ -358,7 +369,7 @@ def diff_command(
 
     machines = [ask.machine_of(p, None) if p else None for p in (profile, profile_b)]
     try:
-        one, two = read_input(a), read_input(b)
+        one, two = read_program(a), read_program(b)
     except Failed as why:
         raise Unreadable(why.message) from why
     with waiting(f"comparing {_name(a)} and {_name(b)}"):
@@ -379,8 +390,8 @@ def diff_command(
     return 0 if found.equal else 1
 
 
-@cli.command("inspect", cls=Configured)
-@click.argument("input_")
+@cli.command("inspect", cls=Configured, short_help="What is in a drawing.")
+@click.argument("input_", metavar="INPUT")
 @ask.drawing_options
 @click.option("--side", type=ask.SIDES, help="For the largest offset: part (default) or die.")
 @ask.said_options
@@ -418,9 +429,15 @@ def inspect_command(input_: str, **asked: Any) -> int:
     return seen.status
 
 
-@cli.command("plot", cls=Configured)
-@click.argument("input_", metavar="INPUT-or-PROGRAM")
-@click.option("-o", "--output", required=True, help="FILE.svg or FILE.png; - for SVG to stdout.")
+@cli.command("plot", cls=Configured, short_help="A picture of a drawing or a program.")
+@click.argument("input_", metavar="INPUT|PROGRAM")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    metavar="FILE",
+    help="FILE.svg, FILE.png or FILE.html; - for SVG to stdout.",
+)
 @click.option("--contours", is_flag=True, help="Only what was drawn; nothing is compiled.")
 @ask.compile_options
 @ask.said_options
@@ -434,7 +451,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     from wedmcam.cli import say
     from wedmcam.options import FORMAT_OF_SUFFIX, Options
 
-    check_outputs([input_], [output])
+    check_outputs([input_, *also_read(click.get_current_context())], [output])
     _check_picture(output)
     data = read_input(input_)
     name = _name(input_)
@@ -464,18 +481,20 @@ def _is_program(data: bytes) -> bool:
     return identify(data).format in ("3b", "compact", "rotation", "compensation")
 
 
-PICTURES = (".svg", ".png")
+PICTURES = (".svg", ".png", ".html")
 
 
 def _check_picture(name: str) -> None:
     if name != "-" and Path(name).suffix.lower() not in PICTURES:
-        raise click.UsageError(f"{name}: a picture ends in {' or '.join(PICTURES)}")
+        raise click.UsageError(f"{name}: a picture ends in {', '.join(PICTURES)}")
 
 
 def _picture(made: Any, title: str, name: str) -> bytes:
     """Return the picture as the bytes of the format that its name tells."""
     from wedmcam import api
 
+    if Path(name).suffix.lower() == ".html":
+        return api.plot_html(made, title).encode("utf-8")
     svg = api.plot(made, title)
     if Path(name).suffix.lower() != ".png":
         return svg.encode("utf-8")
@@ -484,7 +503,7 @@ def _picture(made: Any, title: str, name: str) -> bytes:
     return bytes(resvg_py.svg_to_bytes(svg_string=svg, zoom=2))
 
 
-@cli.command("identify")
+@cli.command("identify", short_help="Which format a file is in.")
 @click.argument("file")
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 def identify_command(file: str, json_: bool) -> int:
@@ -500,10 +519,10 @@ def identify_command(file: str, json_: bool) -> int:
         from wedmcam.cli.tables import memory_of
 
         click.echo(f"{file}: {seen.reason}{memory_of(seen)}")
-    return 0 if seen.format != "unknown" else 1
+    return 1 if seen.format in ("unknown", "empty") else 0
 
 
-@cli.command("dump")
+@cli.command("dump", short_help="The blocks of a program.")
 @click.argument("file")
 @click.option(
     "--format",
@@ -522,7 +541,7 @@ def dump_command(file: str, format_: str | None, profile: str | None, json_: boo
     from wedmcam.frontends.dump import stated
 
     machine = ask.machine_of(profile, format_) if profile or format_ else None
-    data = read_input(file)
+    data = read_program(file)
     program, used, found = api.read_program(data, profile=machine, name=_name(file))
     say.say_findings(found, _name(file))
     if program is None:
@@ -538,7 +557,7 @@ def dump_command(file: str, format_: str | None, profile: str | None, json_: boo
     return 1 if has_errors(found) else 0
 
 
-@cli.command("explain")
+@cli.command("explain", short_help="What a diagnostic or a block means.")
 @click.argument("what", metavar="CODE|FILE", required=False)
 @click.option("--list", "list_", is_flag=True, help="All codes, one a line.")
 @click.option("--block", type=click.IntRange(1), metavar="N", help="Explain this block of FILE.")
@@ -567,7 +586,7 @@ def _explain_block(file: str, number: int, profile: str | None) -> int:
     from wedmcam.cli.block import explain_block
 
     machine = ask.machine_of(profile, None) if profile else None
-    data = read_input(file)
+    data = read_program(file)
     program, used, found = api.read_program(data, profile=machine, name=_name(file))
     if program is None:
         say.say_findings(found, _name(file))

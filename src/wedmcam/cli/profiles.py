@@ -45,7 +45,7 @@ def profile_list(json_: bool) -> int:
     return 0
 
 
-@profile_group.command("show")
+@profile_group.command("show", short_help="Every value of a profile, with its meaning.")
 @click.argument("name", metavar="NAME|FILE.toml")
 @JSON
 def profile_show(name: str, json_: bool) -> int:
@@ -67,7 +67,7 @@ def profile_show(name: str, json_: bool) -> int:
     return 0
 
 
-@profile_group.command("check")
+@profile_group.command("check", short_help="Whether a profile can be used.")
 @click.argument("file", metavar="FILE.toml|NAME")
 @JSON
 def profile_check(file: str, json_: bool) -> int:

@@ -34,6 +34,12 @@ def say_findings(
             click.echo(render(d, file, coloured(), text), err=True)
 
 
+def say_error(message: str, hint: str = "") -> None:
+    """Print an error that is about no place: wrong use, a file that cannot be read."""
+    head = "\x1b[31;1merror\x1b[0m" if coloured() else "error"
+    click.echo(f"{head}: {message}" + (f"\n  hint: {hint}" if hint else ""), err=True)
+
+
 def say_json(data: Any) -> None:
     """Print data as JSON on standard output."""
     click.echo(json.dumps(data, indent=2, ensure_ascii=False))
@@ -114,8 +120,8 @@ def say_figures(proof: Proof) -> None:
         click.echo(line, err=True)
 
 
-def say_report(made: Compilation, output: str) -> None:
-    """Print what was made, in a few lines."""
+def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
+    """Print what was made, in a few lines; ``verbose``: and a line a contour."""
     v, drawn = made.verdict, made.drawn
     if v is None or drawn is None:
         return
@@ -129,6 +135,28 @@ def say_report(made: Compilation, output: str) -> None:
         proof_line(made),
     ):
         click.echo(line, err=True)
+    if verbose:
+        _say_cuts(made)
+
+
+def _say_cuts(made: Compilation) -> None:
+    """Print the contours in the order of cutting, and the options that are no defaults."""
+    assert made.verdict is not None
+    assert made.plan is not None
+    click.echo(
+        "cut     blocks         thread point mm    length mm  deviation um  closure um", err=True
+    )
+    for c, cut in zip(made.verdict.cuts, made.plan.cuts, strict=False):
+        x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
+        blocks = f"{c.first_block}-{c.last_block}"
+        closure = "open" if c.closure_um is None else f"{c.closure_um:.0f}"
+        click.echo(
+            f"{c.number:3d} {blocks:>10} {x:12.3f} {y:12.3f} {c.length_mm:12.3f} "
+            f"{c.max_deviation_um:13.2f} {closure:>11}",
+            err=True,
+        )
+    asked = ", ".join(f"{k} {v}" for k, v in made.summary.get("options", {}).items())
+    click.echo(f"options    {asked or 'all by default'}", err=True)
 
 
 def say_arithmetic(apart: dict[str, Any]) -> None:

@@ -394,6 +394,19 @@ def is_typed(ctx: click.Context, option: click.Parameter) -> bool:
     return ctx.get_parameter_source(str(option.name)) not in (ParameterSource.DEFAULT, None)
 
 
+def typed(ctx: click.Context) -> set[str]:
+    """Return the names of the parameters that were given on the command line."""
+    return {str(o.name) for o in ctx.command.params if is_typed(ctx, o)}
+
+
+def also_read(ctx: click.Context) -> list[str]:
+    """Return the files beside its inputs that a command reads: no output may overwrite them."""
+    made: InForce = ctx.meta[META]
+    profile = made.params.get("profile")
+    named = [profile] if profile and Path(profile).suffix.lower() == ".toml" else []
+    return [file.name for file in made.files] + named
+
+
 def _aside(
     setting: Setting, nearer: Mapping[str, Any], params: Mapping[str, Any], typed: Mapping[str, Any]
 ) -> str:

@@ -6,6 +6,7 @@ as it is. Text comes first, because letters and digits of ASCII are valid packed
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +23,7 @@ class Identification:
     """What a file seems to be.
 
     Attributes:
-        format: a key of ``frontends.DECODERS``, or ``empty`` or ``unknown``.
+        format: a key of ``frontends.DECODERS``, or ``dxf``, ``empty`` or ``unknown``.
         blocks: complete blocks found; control records of a text are not counted.
         last_address: address of the last byte that belongs to a block or is the end byte; of a text
             the last character of the last record; None where there is none.
@@ -39,6 +40,19 @@ class Identification:
     reason: str
 
 
+#: How a DXF begins, behind comments.
+_DXF = re.compile(rb"(\xef\xbb\xbf)?\s*(999[ \t]*\r?\n[^\n]*\n\s*)*0[ \t]*\r?\n\s*SECTION\b")
+
+
+def is_drawing(data: bytes) -> bool:
+    r"""Return whether data begin like a DXF, in text or in binary.
+
+    >>> is_drawing(b"  0\nSECTION\n"), is_drawing(b"B0B0B0GXL1")
+    (True, False)
+    """
+    return data.startswith(b"AutoCAD Binary DXF\r\n") or bool(_DXF.match(data))
+
+
 def identify(data: bytes) -> Identification:
     """Return which format ``data`` has; never raises.
 
@@ -50,6 +64,8 @@ def identify(data: bytes) -> Identification:
     if not data.rstrip(b"\0"):
         size = len(data)
         return Identification("empty", 0, None, None, True, f"empty: {size} bytes, all 0")
+    if is_drawing(data):
+        return Identification("dxf", 0, None, None, True, "DXF drawing")
     records = find_records(plain(data).codes)
     if count := len(records.start):
         words = "record" if count == 1 else "records"

@@ -18,6 +18,7 @@ SHELL = {
     "inspection",
     "metamorphic",
     "comparison",
+    "conversion",
 }
 
 

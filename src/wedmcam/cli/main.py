@@ -12,6 +12,7 @@ import click
 from wedmcam import __version__
 from wedmcam.cli import asked as ask
 from wedmcam.cli.config import config_command
+from wedmcam.cli.convert import convert_command
 from wedmcam.cli.files import (
     Failed,
     Unreadable,
@@ -598,5 +599,6 @@ def _explain_block(file: str, number: int, profile: str | None) -> int:
     return 0
 
 
+cli.add_command(convert_command)
 cli.add_command(config_command(cli))
 cli.add_command(profile_group)

@@ -526,6 +526,16 @@ CODES: dict[str, Code] = {
         "It would be cut otherwise than meant.",
         "Compile for this format, or convert with lowering.",
     ),
+    "not-carried": Code(
+        "Something of a program has no place in the format that it is converted to.",
+        "The path is the same; a pause, a word or an end that the machine minded is missing.",
+        "See to it at the machine, or convert to a text format, which keeps words.",
+    ),
+    "conversion-differs": Code(
+        "The other format would not step the path of the program that was read within 1 um.",
+        "Another part would be cut.",
+        "Convert to another format, or compile the drawing for it.",
+    ),
     "lone-line": Code(
         "A cut of one line alone between two pauses.",
         "In 3B it would be read as a move with the wire off.",

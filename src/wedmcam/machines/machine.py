@@ -103,3 +103,8 @@ class Machine:
     limits: Limits
     words: Words = field(default_factory=Words)
     layout: Layout = field(default_factory=Layout)
+
+    @property
+    def binary(self) -> bool:
+        """Whether its programs are bytes and no text."""
+        return self.format in ("compact", "rotation", "compensation")

@@ -1,0 +1,110 @@
+"""``wedmcam convert``: one program format into another, proven equal before it is written."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from wedmcam.cli import asked as ask
+from wedmcam.cli.files import check_outputs, read_input, write_outputs
+from wedmcam.cli.progress import waiting
+
+
+@click.command("convert")
+@click.argument("program")
+@click.option("-o", "--output", required=True, help="Where the other program goes; - for stdout.")
+@click.option("--to", metavar="FORMAT", help="Of the output; by default from its name.")
+@click.option("--format", "format_", metavar="FORMAT", help="Of PROGRAM; else by name, content.")
+@click.option("--profile-in", metavar="NAME|FILE", help="Profile of PROGRAM.")
+@click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
+@click.option("--json", "json_", is_flag=True, help="Summary as JSON on standard output.")
+@click.option("--strict", is_flag=True, help="Warnings are errors: nothing may get lost.")
+@click.option("-q", "--quiet", is_flag=True, help="Errors only.")
+def convert_command(
+    program: str,
+    output: str,
+    to: str | None,
+    format_: str | None,
+    profile_in: str | None,
+    profile: str | None,
+    json_: bool,
+    strict: bool,
+    quiet: bool,
+) -> int:
+    """One program format into another, from the path that its controller steps.
+
+    The result is decoded again and must be the same path within 1 um, else nothing is written. Exit
+    status: 0 done, 1 the program cannot be read or the other format cannot state it, 3 the paths
+    differ.
+    """
+    from wedmcam import conversion
+    from wedmcam.cli import say
+
+    target = to if to in conversion.TARGETS else None if to else conversion.target_of(output)
+    machine = None
+    if target is None:
+        named = ask.machine_of(profile, None) if profile else None
+        machine = ask.machine_of(profile, ask.format_of(output, to, named))
+        ask.warn_of_name(output, machine.format)
+    machine_in = ask.machine_of(profile_in, format_) if profile_in or format_ else None
+    check_outputs([program], [output])
+    if output == "-" and json_:
+        raise click.UsageError("--json and the program cannot both be standard output")
+    if output == "-" and machine and machine.binary and sys.stdout.isatty():
+        raise click.UsageError("a binary program is not for a terminal: give -o FILE")
+    name = "stdin" if program == "-" else program
+    data = read_input(program)
+    with waiting(f"converting {name}"):
+        made = conversion.convert(
+            data,
+            to=target or (machine.format if machine else None),
+            profile=machine,
+            profile_in=machine_in,
+            name=name,
+            strict=strict,
+        )
+    say.say_findings(made.findings, name, quiet)
+    if made.data is None:
+        if Path(output).exists() and output != "-":
+            click.echo(f"nothing was written; {output} is as it was", err=True)
+        else:
+            click.echo("nothing was written", err=True)
+    else:
+        write_outputs([(output, made.data)])
+        if not quiet:
+            click.echo(_line(made, output), err=True)
+    if json_:
+        say.say_json(_summary(made, program, output, target))
+    return made.status
+
+
+def _line(made: Any, output: str) -> str:
+    size = f"{len(made.data)} bytes"
+    if made.machine is None or made.difference is None:
+        return f"{output}: {size}"
+    return (
+        f"{output}: {made.machine.format} ({made.machine.name}), {len(made.made.blocks)} blocks, "
+        f"{size}; the same path, at most {made.difference.largest_um:.2f} um apart"
+    )
+
+
+def _summary(made: Any, program: str, output: str, target: str | None) -> dict[str, Any]:
+    from wedmcam.judge.certificate import finding_data
+
+    apart = made.difference
+    return {
+        "input": program,
+        "output": output if made.ok else None,
+        "format_in": made.machine_in.format,
+        "profile_in": made.machine_in.name,
+        "format": made.machine.format if made.machine else target,
+        "profile": made.machine.name if made.machine else None,
+        "blocks_in": len(made.program.blocks) if made.program is not None else None,
+        "blocks": len(made.made.blocks) if made.made is not None else None,
+        "largest_um": round(apart.largest_um, 3) if apart and apart.equal else None,
+        "diagnostics": [finding_data(d) for d in made.findings],
+        "ok": made.ok,
+    }

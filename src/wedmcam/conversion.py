@@ -1,0 +1,225 @@
+"""One program format into another, from the path that the first controller steps.
+
+Nothing is translated word by word. The program is decoded, its blocks are made anew for the other
+controller (``transforms.carry``), written, decoded again and compared as a step path with the first
+program. What is farther off than 1 um is not written.
+
+`TARGETS` holds what is no program for a controller and can still be made of one (a picture, a
+drawing, source text). To add one: a line there, its ending in `SUFFIXES`, and a function
+``f(program, machine, name) -> (bytes, findings)`` of the decoded program and the machine that it
+was read for. Such a target proves what it claims by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wedmcam.diag import Diagnostic, Severity, error, has_errors
+from wedmcam.ir.program import LineTable, Program
+from wedmcam.machines import Machine
+
+if TYPE_CHECKING:
+    from wedmcam.judge.difference import Difference
+
+#: How far the two step paths may be apart, um.
+WITHIN_UM = 1.0
+
+#: Targets that are no program format -> "module:function"; named and not imported.
+TARGETS: dict[str, str] = {"svg": "wedmcam.conversion:as_svg"}
+#: Endings of their names.
+SUFFIXES: dict[str, str] = {".svg": "svg"}
+
+Target = Callable[[Program, Machine, str], tuple[bytes, list[Diagnostic]]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Conversion:
+    """What came of a conversion.
+
+    Attributes:
+        data: the bytes of the other program; None when it was not made or not proven.
+        program: as it was read from the first file; None when that was not possible.
+        made: decoded from ``data``; None for a target that is no program.
+        machine_in: the profile that the first file was read with.
+        machine: the profile of the other; None for a target that is no program.
+        difference: of the two step paths; None when it did not come so far.
+        findings: everything that was found.
+    """
+
+    data: bytes | None
+    program: Program | None
+    made: Program | None
+    machine_in: Machine
+    machine: Machine | None
+    difference: Difference | None
+    findings: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether a program was made and proven equal."""
+        return self.data is not None
+
+    @property
+    def status(self) -> int:
+        """The exit status: 0 done, 1 the input has errors, 3 the two paths differ."""
+        if self.ok:
+            return 0
+        differs = self.difference is not None and not self.difference.equal
+        return 3 if differs or any(d.code == "conversion-differs" for d in self.findings) else 1
+
+
+def target_of(name: str) -> str | None:
+    """Return the target that the ending of a name tells; None for program formats.
+
+    >>> target_of("a.SVG"), target_of("a.3b")
+    ('svg', None)
+    """
+    return SUFFIXES.get(Path(name).suffix.lower())
+
+
+def convert(
+    source: str | Path | bytes,
+    *,
+    to: str | None = None,
+    profile: Machine | str | None = None,
+    profile_in: Machine | str | None = None,
+    name: str | None = None,
+    format: str | None = None,
+    strict: bool = False,
+) -> Conversion:
+    """Return a program of one format as one of another, proven to step the same path.
+
+    Args:
+        source: a path or bytes.
+        to: a program format, or a key of `TARGETS`.
+        profile: of the other program; None for the default of its format.
+        profile_in: of the program that is read; None to tell by name and content.
+        name: of the source in findings.
+        format: of the source; None to tell by name and content.
+        strict: warnings are errors.
+
+    Raises:
+        WrongUse: an unknown format or profile.
+        OSError: the path cannot be read.
+
+    >>> made = convert(b"B17000B5000B17000GXL1 DD", to="compact")
+    >>> made.data.hex(" ")
+    '01 017000 005000 00'
+    """
+    from wedmcam import api
+
+    read, machine_in, found_in = api.read_program(
+        source, profile=profile_in, format=format, name=name
+    )
+    found = list(found_in)
+
+    def ended(data: bytes | None = None, **more: Any) -> Conversion:
+        values = {"made": None, "machine": None, "difference": None} | more
+        stopped = has_errors(found) or (strict and _warned(found))
+        kept = None if stopped else data
+        return Conversion(kept, read, machine_in=machine_in, findings=tuple(found), **values)
+
+    if to in TARGETS:
+        if read is None:
+            return ended()
+        other, more = _target(to)(read, machine_in, name or str(source)[:200])
+        found += more
+        return ended(other)
+    machine = api.machine_for(to, profile)
+    if read is None or has_errors(found):
+        return ended(machine=machine)
+    data, made, apart, more = between(read, machine_in, machine)
+    found += more
+    return ended(data, machine=machine, made=made, difference=apart)
+
+
+def _warned(found: list[Diagnostic]) -> bool:
+    return any(d.severity >= Severity.WARNING for d in found)
+
+
+def _target(to: str) -> Target:
+    module, _, function = TARGETS[to].partition(":")
+    made: Target = getattr(import_module(module), function)
+    return made
+
+
+def between(
+    program: Program, machine_in: Machine, machine: Machine
+) -> tuple[bytes | None, Program | None, Difference | None, list[Diagnostic]]:
+    """Return a decoded program as bytes for another machine, proven equal as a step path.
+
+    Args:
+        program: as decoded.
+        machine_in: the profile that it was read with.
+        machine: the profile of the other program.
+
+    Returns:
+        The bytes (None where it failed), the program decoded from them, the difference, and what
+        was found on the way.
+    """
+    from wedmcam.backends import encoder
+    from wedmcam.frontends import decoder
+    from wedmcam.judge.difference import difference
+    from wedmcam.transforms.carry import carry
+
+    table = LineTable(machine_in.line_table)
+    carried, found = carry(program, table, rules_of(machine))
+    if carried is None:
+        return None, None, None, found
+    data, more = encoder(machine.format)(carried, machine)
+    found += more
+    if has_errors(more):
+        return None, None, None, found
+    made, more = decoder(machine.format)(data, machine, f"the {machine.format} program")
+    found += [d for d in more if d.severity is Severity.ERROR]
+    if has_errors(found):
+        return None, made, None, found
+    apart = difference(program, made, table, LineTable(machine.line_table), WITHIN_UM)
+    if not apart.equal:
+        far = f"{apart.distance_um:.2f} um apart" if apart.distance_um < 1e9 else apart.what
+        found.append(
+            error(
+                "conversion-differs",
+                f"the {machine.format} program would not step the path of the first: {far} in "
+                f"block {apart.block_a} of the first and {apart.block_b} of the other",
+                _span_of(program, apart.block_a),
+                hint="write another format; wedmcam dump shows the block",
+            )
+        )
+    return (data if apart.equal else None), made, apart, found
+
+
+def _span_of(program: Program, block: int) -> Any:
+    return program.spans[block - 1] if 0 < block <= len(program.spans) else None
+
+
+def rules_of(machine: Machine) -> Any:
+    """Return what a machine's format asks of the blocks of a program."""
+    from wedmcam.transforms.carry import Rules
+
+    text = machine.format in ("3b", "iso", "4b")
+    return Rules(
+        square=not text,
+        table=LineTable(machine.line_table),
+        count_um=machine.limits.count_um,
+        line_um=machine.limits.line_um,
+        words=text,
+        pairs=text,
+        end=machine.format in ("3b", "4b"),
+    )
+
+
+def as_svg(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
+    """Return a picture of a program."""
+    from wedmcam import api
+    from wedmcam.backends.svg import plot as plot_program
+
+    starts, ends = api.positions(program, machine)
+    picture = plot_program(
+        program, starts, ends, title=Path(name).name, facts={"profile": machine.name}
+    )
+    return picture.encode("utf-8"), []

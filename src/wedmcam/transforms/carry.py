@@ -1,0 +1,253 @@
+"""A program for another controller: the same path, in blocks that the other format can state.
+
+Formats count arcs on an axis or on the inscribed square, step lines by one of two tables, hold
+numbers up to a limit and know some control records. What a program means is the path that its own
+controller steps, so blocks are made anew from where it really goes: a line to where it ends, an arc
+to the step at which it ends. Whoever writes the result proves it against the first program; nothing
+here has to be believed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.controller import Motion, arc_end, position, run
+from wedmcam.diag import Diagnostic, Span, error, warning
+from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program
+
+Ints = NDArray[np.int64]
+Blocks = NDArray[np.void]
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What the other format asks for.
+
+    Attributes:
+        square: arcs count on the inscribed square, not on an axis.
+        table: the line table of the other controller.
+        count_um: largest J. line_um: largest component of a line.
+        words: bare control words are kept.
+        pairs: a line alone between two pauses would be read as a move.
+        end: there is a record for the end of the file beside that for the end of cutting.
+    """
+
+    square: bool
+    table: LineTable
+    count_um: int
+    line_um: int
+    words: bool
+    pairs: bool
+    end: bool
+
+
+def carry(
+    program: Program, table: LineTable, rules: Rules
+) -> tuple[Program | None, list[Diagnostic]]:
+    """Return the program for another controller, and what could not be carried over.
+
+    Args:
+        program: as its own reader made it.
+        table: of the controller that it was read for.
+        rules: of the format that it goes to.
+
+    Returns:
+        A program that ends every block of the first where that ends, in as many blocks or more; a
+        block's ``source`` is the block that it was made of, ``sources`` are the places in the file
+        that was read. None when a block cannot be run at all.
+    """
+    blocks = program.blocks
+    motion = run(blocks, table)
+    found: list[Diagnostic] = []
+    endless = np.flatnonzero(motion.steps < 0)
+    for i in endless[:1].tolist():
+        what = f"block {i + 1} never ends on its own controller: it is no path to carry over"
+        found.append(error("endless-block", what, _span(program, i)))
+    if found:
+        return None, found
+    kind = blocks["kind"].astype(np.int64)
+    moving = kind <= Kind.MOVE
+    kept = ~moving | (motion.steps > 0)
+    words = dict(program.words)
+    if not rules.words:
+        lost = np.flatnonzero(kind == Kind.WORD)
+        for text in dict.fromkeys(words[i] for i in lost.tolist()):
+            where = [i for i in lost.tolist() if words[i] == text]
+            what = f"the control word '{text}' has no place in the other format"
+            hint = "see to it at the machine"
+            found.append(
+                warning("not-carried", what, _span(program, where[0]), hint=hint, count=len(where))
+            )
+        kept[lost] = False
+    stops = np.flatnonzero((kind == Kind.STOP) | (kind == Kind.END))
+    if len(stops) and not rules.end:
+        kept[stops[1:]] = False
+    after = np.arange(len(blocks)) > (stops[0] if len(stops) else len(blocks))
+    late = np.flatnonzero(after & moving & kept)
+    if len(late):
+        what = f"{len(late)} blocks behind the end of cutting are no part of the path; left out"
+        found.append(warning("not-carried", what, _span(program, int(late[0]))))
+        kept[late] = False
+    parts = _parts(blocks, motion, kept, rules, table)
+    made = np.zeros(len(parts.source), BLOCK)
+    for name in ("kind", "turn", "axis", "x", "y", "count", "source"):
+        made[name] = getattr(parts, name)
+    made["cut"], made["role"] = blocks["cut"][parts.source], blocks["role"][parts.source]
+    if rules.pairs:
+        made = _never_alone(made, rules.table)
+    told = tuple((k, words[int(s)]) for k, s in enumerate(made["source"]) if int(s) in words)
+    sources = tuple(program.spans)
+    if len(sources) != len(blocks):
+        made["source"], sources = -1, ()
+    return replace(program, blocks=made, sources=sources, spans=(), words=told), found
+
+
+def _span(program: Program, i: int) -> Span | None:
+    return program.spans[i] if i < len(program.spans) else None
+
+
+@dataclass(slots=True)
+class _Parts:
+    """Blocks in the making; ``source`` is the block that each is a part of."""
+
+    kind: Ints
+    turn: Ints
+    axis: Ints
+    x: Ints
+    y: Ints
+    count: Ints
+    source: Ints
+
+
+def _parts(
+    blocks: Blocks, motion: Motion, kept: NDArray[np.bool_], rules: Rules, table: LineTable
+) -> _Parts:
+    """Return every kept block as one or more blocks that the other format can state."""
+    kind = blocks["kind"].astype(np.int64)
+    arc = kind == Kind.ARC
+    straight = (kind == Kind.LINE) | (kind == Kind.MOVE)
+    # In how many pieces: a line by its longer side, an arc by its steps and by whole turns.
+    longest = np.maximum(abs(motion.dx), abs(motion.dy))
+    pieces = np.where(kept, 1, 0)
+    most = min(rules.line_um, rules.count_um)
+    pieces = np.where(straight & kept, -(-longest // most), pieces)
+    radius = np.ceil(np.hypot(blocks["x"], blocks["y"])).astype(np.int64)
+    turns = -(-motion.steps // np.maximum(8 * radius, 1))
+    halves = -(-motion.steps // (2 * rules.count_um)) if rules.count_um else 1
+    long = np.where(motion.steps > rules.count_um, halves * 2, 1)
+    pieces = np.where(arc & kept, np.maximum(turns, long), pieces)
+    pieces = np.where(kept & (straight | arc), np.maximum(pieces, 1), pieces)
+    source = np.repeat(np.arange(len(blocks)), pieces)
+    nth = np.arange(len(source)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    of = pieces[source]
+    steps = motion.steps[source]
+    low, high = steps * nth // of, steps * (nth + 1) // of
+    part = blocks[source].copy()
+    x0, y0 = position(part, low, table)
+    x1, y1 = position(part, high, table)
+    last = nth == of - 1
+    x1, y1 = np.where(last, motion.dx[source], x1), np.where(last, motion.dy[source], y1)
+    dx, dy = x1 - x0, y1 - y0
+    out = _Parts(
+        kind=kind[source],
+        turn=part["turn"].astype(np.int64),
+        axis=np.zeros(len(source), np.int64),
+        x=dx.copy(),
+        y=dy.copy(),
+        count=np.zeros(len(source), np.int64),
+        source=source.astype(np.int64),
+    )
+    line = straight[source]
+    axis, count = line_count(dx, dy, rules.table)
+    out.axis = np.where(line, axis, 0)
+    out.count = np.where(line, count, 0)
+    rows = np.flatnonzero(arc[source])
+    sx, sy = part["x"][rows] + x0[rows], part["y"][rows] + y0[rows]
+    return _with_arcs(out, rows, sx, sy, dx[rows], dy[rows], rules)
+
+
+def _with_arcs(
+    out: _Parts, rows: Ints, sx: Ints, sy: Ints, dx: Ints, dy: Ints, rules: Rules
+) -> _Parts:
+    """Fill in the arcs: start from the centre, and the J that stops at the same step.
+
+    On the inscribed square not every step counts. Where the last one does not, the arc stops at
+    the one before that does, and a line of a micron or two goes on to the end.
+    """
+    end = arc_end(sx, sy, out.turn[rows], sx + dx, sy + dy)
+    out.x[rows], out.y[rows] = sx, sy
+    if not rules.square:
+        out.axis[rows] = end.last_axis
+        out.count[rows] = np.where(end.last_axis == Axis.X, end.count_x, end.count_y)
+        return out
+    out.axis[rows], out.count[rows] = int(Axis.SQUARE), end.count_square
+    short = ~end.square_counts
+    if not short.any():
+        return out
+    cut = np.zeros(int(short.sum()), BLOCK)
+    for name, values in (("x", sx), ("y", sy), ("count", end.count_square)):
+        cut[name] = values[short]
+    cut["kind"], cut["turn"], cut["axis"] = Kind.ARC, out.turn[rows][short], Axis.SQUARE
+    there = run(cut, rules.table)
+    rest_x, rest_y = dx[short] - there.dx, dy[short] - there.dy
+    axis, count = line_count(rest_x, rest_y, rules.table)
+    at = rows[short] + 1
+    gone = np.flatnonzero(end.count_square == 0)
+
+    def insert(values: Ints, new: Ints | int) -> Ints:
+        added: Ints = np.insert(values, at, new)
+        return added
+
+    # An arc that has no counting step at all is the line alone.
+    keep = np.ones(len(out.kind), dtype=bool)
+    keep[rows[gone]] = False
+    keep = np.insert(keep, at, (rest_x != 0) | (rest_y != 0))
+    made = _Parts(
+        kind=insert(out.kind, int(Kind.LINE)),
+        turn=insert(out.turn, 0),
+        axis=insert(out.axis, axis),
+        x=insert(out.x, rest_x),
+        y=insert(out.y, rest_y),
+        count=insert(out.count, count),
+        source=insert(out.source, out.source[rows[short]]),
+    )
+    for name in _Parts.__slots__:
+        setattr(made, name, getattr(made, name)[keep])
+    return made
+
+
+def line_count(dx: Ints, dy: Ints, table: LineTable) -> tuple[Ints, Ints]:
+    """Return (axis, J) with which full lines end exactly: the longer side; ties by the table.
+
+    >>> line_count(np.array([3, -3]), np.array([3, 3]), LineTable.ROTATE)[0].tolist()
+    [1, 0]
+    """
+    ax, ay = abs(dx), abs(dy)
+    odd = (dx > 0) == (dy > 0)
+    tie_y = odd if table == LineTable.ROTATE else np.ones(len(ax), dtype=bool)
+    on_y = (ay > ax) | ((ay == ax) & tie_y)
+    return np.where(on_y, int(Axis.Y), int(Axis.X)), np.where(on_y, ay, ax)
+
+
+def _never_alone(made: Blocks, table: LineTable) -> Blocks:
+    """Write a single line between two pauses as two: alone it would be read as a move."""
+    kind = made["kind"]
+    quiet = (kind == Kind.PAUSE) | (kind == Kind.THREAD)
+    alone = np.zeros(len(made), dtype=bool)
+    alone[1:-1] = (kind[1:-1] == Kind.LINE) & quiet[:-2] & quiet[2:]
+    alone &= np.maximum(abs(made["x"]), abs(made["y"])) > 1
+    if not alone.any():
+        return made
+    at = np.flatnonzero(alone)
+    both = np.insert(made, at + 1, made[at])
+    first = at + np.arange(len(at))
+    for name in ("x", "y"):
+        half = made[name][at] // 2
+        both[name][first] = half
+        both[name][first + 1] = made[name][at] - half
+    rows = np.concatenate([first, first + 1])
+    both["axis"][rows], both["count"][rows] = line_count(both["x"][rows], both["y"][rows], table)
+    return both

@@ -1,0 +1,118 @@
+"""One program format into another: the same path or nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from wedmcam import conversion, machines
+from wedmcam.cli.main import cli
+from wedmcam.ir.program import Kind
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+
+
+def codes(made):
+    return [d.code for d in made.findings]
+
+
+@pytest.mark.parametrize("to", ["3b", "compact", "rotation", "compensation"])
+@pytest.mark.parametrize("name", ["plate.3b", "gear-24.zd", "cover.3b", "plate.columns.3b"])
+def test_golden_programs_become_every_format(name, to):
+    made = conversion.convert(GOLDEN / name, to=to)
+    assert made.ok, codes(made)
+    assert made.difference.largest_um <= 1
+    assert made.machine.format == to
+
+
+@pytest.mark.parametrize("name", ["gear-24", "plate", "cover"])
+def test_both_compiled_programs_become_each_other(name):
+    # One lowering serves both, so nothing is lost on the way.
+    text, memory = (GOLDEN / f"{name}.3b").read_bytes(), (GOLDEN / f"{name}.zd").read_bytes()
+    assert conversion.convert(memory, to="3b", format="compact").data == text
+    assert conversion.convert(text, to="compact", format="3b").data == memory
+
+
+def test_an_arc_whose_last_step_does_not_count_on_the_square_ends_in_a_line():
+    # Counted on X, the arc from (0, 100) stops at a step along x; y leads there on the square.
+    made = conversion.convert(b"B100B0B95GYNR1 DD", to="compact")
+    assert made.ok, codes(made)
+    made = [
+        conversion.convert(f"B{x}B{y}B{j}G{g}NR1 DD".encode(), to="compact")
+        for x, y in ((100, 0), (71, 70), (997, 76))
+        for j in range(3, 60, 7)
+        for g in "XY"
+    ]
+    assert all(m.ok for m in made)
+    assert any((m.made.blocks["kind"] == Kind.LINE).any() for m in made)
+
+
+def test_more_than_a_turn_and_long_blocks_are_parted():
+    made = conversion.convert(b"B9900B0B100000GYNR1 DD", to="compact")
+    assert made.ok
+    assert len(made.made.blocks) > 2
+    wide = conversion.convert(b"B900000B900000B900000GYL1 DD", to="rotation")
+    assert wide.ok, codes(wide)
+
+
+def test_what_is_lost_is_said():
+    made = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="compact")
+    assert made.ok
+    assert "not-carried" in codes(made)
+    assert not conversion.convert(
+        b"B17000B5000B17000GXL1\nQUENCH\nDD\n", to="compact", strict=True
+    ).ok
+    kept = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="3b")
+    assert b"QUENCH\nDD\nE\n" in kept.data
+
+
+def test_another_path_is_refused(monkeypatch):
+    from wedmcam.backends import b3
+
+    honest = b3.encode
+
+    def forged(program, machine):
+        data, found = honest(program, machine)
+        return data.replace(b"B17000B5000", b"B17000B5100"), found
+
+    monkeypatch.setattr(b3, "encode", forged)
+    made = conversion.convert(bytes.fromhex("01 017000 005000 00"), to="3b", format="compact")
+    assert not made.ok
+    assert made.status == 3
+    assert codes(made)[-1] == "conversion-differs"
+
+
+def test_moves_and_pauses_stay():
+    text = (GOLDEN / "plate.3b").read_bytes()
+    made = conversion.convert(text, to="compact")
+    for kind in (Kind.MOVE, Kind.PAUSE):
+        count = int(np.sum(made.program.blocks["kind"] == kind))
+        assert count
+        assert int(np.sum(made.made.blocks["kind"] == kind)) == count
+
+
+def test_a_target_can_be_registered(monkeypatch):
+    def as_count(program, machine, name):
+        return str(len(program.blocks)).encode(), []
+
+    monkeypatch.setitem(conversion.TARGETS, "count", "tests_target:f")
+    monkeypatch.setattr(conversion, "import_module", lambda m: type("M", (), {"f": as_count}))
+    made = conversion.convert(b"B17000B5000B17000GXL1 DD", to="count")
+    assert made.data == b"2"
+
+
+def test_command(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("a.3b").write_bytes(b"B17000B5000B17000GXL1\nDD\n")
+    run = CliRunner().invoke
+    done = run(cli, ["convert", "a.3b", "-o", "a.zd", "--json"], standalone_mode=False)
+    assert done.return_value == 0
+    assert '"largest_um": 1.0' in done.stdout or '"largest_um": 0.0' in done.stdout
+    assert Path("a.zd").read_bytes().hex() == "0101700000500000"
+    assert run(cli, ["convert", "a.3b", "-o", "a.svg"], standalone_mode=False).return_value == 0
+    assert Path("a.svg").read_text().startswith("<")
+    Path("no.3b").write_bytes(b"nothing")
+    assert run(cli, ["convert", "no.3b", "-o", "b.zd"], standalone_mode=False).return_value == 1
+    assert not Path("b.zd").exists()
+    assert machines.default("compact").binary

@@ -757,6 +757,13 @@ def plot_html(made: Compilation | Proof | Inspection, title: str = "") -> str:
     return page(plot(made, title), title=title, head=head, rows=rows, said=said)
 
 
+def path_drawing(program: Program, machine: Machine) -> bytes:
+    """Return the stepped wire path as a DXF: lines and arcs by layer; see ``backends.dxf``."""
+    from wedmcam.backends.dxf import encode
+
+    return encode(program, machine)
+
+
 def positions(program: Program, machine: Machine) -> tuple[Any, Any]:
     """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
     import numpy as np

@@ -47,7 +47,8 @@ def cli() -> None:
 @click.option(
     "--to",
     metavar="FORMAT",
-    help="3b, compact, rotation or compensation; by default from the output's name.",
+    help="3b, compact, rotation, compensation, or dxf (the stepped path); by default from the "
+    "output's name.",
 )
 @ask.compile_options
 @click.option("--certificate", metavar="FILE.json", help="Write the certificate there.")
@@ -75,8 +76,12 @@ def compile_command(
     """
     feed = ask.feed_of(asked)
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
-    machine = ask.machine_of(asked["profile"], ask.format_of(output, to, machine))
-    ask.warn_of_name(output, machine.format)
+    drawn = to == "dxf" or (to is None and Path(output).suffix.lower() == ".dxf")
+    machine = ask.machine_of(
+        asked["profile"], None if drawn else ask.format_of(output, to, machine)
+    )
+    if not drawn:
+        ask.warn_of_name(output, machine.format)
     outputs = [name for name in (output, certificate, plot_, map_) if name is not None]
     check_outputs([input_, *also_read(click.get_current_context())], outputs)
     if output == "-" and asked["json_"]:
@@ -91,18 +96,17 @@ def compile_command(
             click.echo("nothing was written", err=True)
         return int(made.status)
     assert made.data is not None
-    if output == "-" and machine.format != "3b" and sys.stdout.isatty():
+    if output == "-" and machine.format != "3b" and not drawn and sys.stdout.isatty():
         raise click.UsageError("a binary program is not for a terminal: give -o FILE")
+    from wedmcam import api
     from wedmcam.cli import say
 
-    files = [(output, made.data)]
+    files = [(output, api.path_drawing(made.program, machine) if drawn else made.data)]
     if certificate is not None:
         files.append((certificate, say.certificate_bytes(made.summary)))
     if plot_ is not None:
         files.append((plot_, _picture(made, Path(output).name, plot_)))
     if map_ is not None:
-        from wedmcam import api
-
         files.append((map_, say.map_bytes(api.source_map(made))))
     write_outputs(files)
     if not asked["quiet"]:
@@ -437,7 +441,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
     "--output",
     required=True,
     metavar="FILE",
-    help="FILE.svg, FILE.png or FILE.html; - for SVG to stdout.",
+    help="FILE.svg, FILE.png, FILE.html or FILE.dxf; - for SVG to stdout.",
 )
 @click.option("--contours", is_flag=True, help="Only what was drawn; nothing is compiled.")
 @ask.compile_options
@@ -453,7 +457,8 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     from wedmcam.options import FORMAT_OF_SUFFIX, Options
 
     check_outputs([input_, *also_read(click.get_current_context())], [output])
-    _check_picture(output)
+    if Path(output).suffix.lower() != ".dxf":
+        _check_picture(output)
     data = read_input(input_)
     name = _name(input_)
     made: Any
@@ -472,7 +477,12 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     say.say_findings(made.findings, _name(input_), asked["quiet"])
     if getattr(made, "program", None) is None and getattr(made, "drawn", None) is None:
         return int(made.status)
-    write_outputs([(output, _picture(made, Path(name).name, output))])
+    if Path(output).suffix.lower() != ".dxf":
+        write_outputs([(output, _picture(made, Path(name).name, output))])
+    elif getattr(made, "program", None) is not None and made.status == 0:
+        write_outputs([(output, api.path_drawing(made.program, made.machine))])
+    else:
+        raise click.UsageError(f"{output}: a DXF holds the path of a good program, there is none")
     return int(made.status)
 
 

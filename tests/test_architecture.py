@@ -19,6 +19,7 @@ SHELL = {
     "metamorphic",
     "comparison",
     "conversion",
+    "entered",
 }
 
 

@@ -19,6 +19,7 @@ from wedmcam.options import Options, WrongUse
 from wedmcam.pipeline import Drawn, Refused, Run
 
 if TYPE_CHECKING:
+    from wedmcam.entered import Entered
     from wedmcam.judge.difference import Difference
     from wedmcam.judge.verdict import Verdict
 
@@ -386,13 +387,23 @@ def read_program(
     profile: Machine | str | None = None,
     format: str | None = None,
     name: str | None = None,
+    entered: Entered | None = None,
 ) -> tuple[Program | None, Machine, tuple[Diagnostic, ...]]:
-    """Return a program as decoded, the machine it was read with, and the findings."""
+    """Return a program as decoded, the machine it was read with, and the findings.
+
+    ``entered``: what the operator enters beside a rotation or compensation file.
+    """
     data, name = _bytes(source, name)
     machine = _reader_machine(data, name, format, profile)
     run = Run()
     try:
-        decoded = _decode(data, name, machine, run, Options())
+        if entered is None:
+            decoded = _decode(data, name, machine, run, Options())
+        else:
+            from wedmcam.frontends import decoder
+
+            more = entered.read(machine.format)
+            decoded = run("decode", decoder(machine.format)(data, machine, name, **more))
     except Refused:
         return None, machine, tuple(run.found)
     return decoded, machine, tuple(run.found)

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
+from wedmcam.entered import Entered
 from wedmcam.ir.program import LineTable, Program
 from wedmcam.machines import Machine
 
@@ -90,6 +91,7 @@ def convert(
     name: str | None = None,
     format: str | None = None,
     strict: bool = False,
+    entered: Entered | None = None,
 ) -> Conversion:
     """Return a program of one format as one of another, proven to step the same path.
 
@@ -101,6 +103,8 @@ def convert(
         name: of the source in findings.
         format: of the source; None to tell by name and content.
         strict: warnings are errors.
+        entered: copies and angle of a rotation file, gap and side of a compensation file, read or
+            written.
 
     Raises:
         WrongUse: an unknown format or profile.
@@ -112,9 +116,12 @@ def convert(
     """
     from wedmcam import api
 
+    entered = entered or Entered()
     read, machine_in, found_in = api.read_program(
-        source, profile=profile_in, format=format, name=name
+        source, profile=profile_in, format=format, name=name, entered=entered
     )
+    written = to if to in TARGETS else api.machine_for(to, profile).format
+    entered.check(machine_in.format, written or "")
     found = list(found_in)
 
     def ended(data: bytes | None = None, **more: Any) -> Conversion:
@@ -132,7 +139,7 @@ def convert(
     machine = api.machine_for(to, profile)
     if read is None or has_errors(found):
         return ended(machine=machine)
-    data, made, apart, more = between(read, machine_in, machine)
+    data, made, apart, more = between(read, machine_in, machine, entered)
     found += more
     return ended(data, machine=machine, made=made, difference=apart)
 
@@ -148,7 +155,10 @@ def _target(to: str) -> Target:
 
 
 def between(
-    program: Program, machine_in: Machine, machine: Machine
+    program: Program,
+    machine_in: Machine,
+    machine: Machine,
+    entered: Entered | None = None,
 ) -> tuple[bytes | None, Program | None, Difference | None, list[Diagnostic]]:
     """Return a decoded program as bytes for another machine, proven equal as a step path.
 
@@ -156,6 +166,7 @@ def between(
         program: as decoded.
         machine_in: the profile that it was read with.
         machine: the profile of the other program.
+        entered: what the operator enters beside the other program.
 
     Returns:
         The bytes (None where it failed), the program decoded from them, the difference, and what
@@ -170,11 +181,13 @@ def between(
     carried, found = carry(program, table, rules_of(machine))
     if carried is None:
         return None, None, None, found
-    data, more = encoder(machine.format)(carried, machine)
+    beside = entered or Entered()
+    data, more = encoder(machine.format)(carried, machine, **beside.write(carried, machine))
     found += more
     if has_errors(more):
         return None, None, None, found
-    made, more = decoder(machine.format)(data, machine, f"the {machine.format} program")
+    file, numbers = f"the {machine.format} program", beside.read(machine.format)
+    made, more = decoder(machine.format)(data, machine, file, **numbers)
     found += [d for d in more if d.severity is Severity.ERROR]
     if has_errors(found):
         return None, made, None, found

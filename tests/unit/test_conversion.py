@@ -48,10 +48,15 @@ def test_an_arc_whose_last_step_does_not_count_on_the_square_ends_in_a_line():
     assert any((m.made.blocks["kind"] == Kind.LINE).any() for m in made)
 
 
-def test_more_than_a_turn_and_long_blocks_are_parted():
-    made = conversion.convert(b"B9900B0B100000GYNR1 DD", to="compact")
-    assert made.ok
-    assert len(made.made.blocks) > 2
+@pytest.mark.parametrize("record", ["B9900B0B100000GYNR1", "B71B70B900GXSR1", "B2100B0B8402GYNR1"])
+def test_more_than_a_turn_stays_one_arc(record):
+    made = conversion.convert(f"{record} DD".encode(), to="compact")
+    assert made.ok, codes(made)
+    assert (made.made.blocks["kind"] == Kind.ARC).sum() == 1
+    assert conversion.convert(made.data, to="3b").difference.largest_um == 0
+
+
+def test_long_blocks_are_parted():
     wide = conversion.convert(b"B900000B900000B900000GYL1 DD", to="rotation")
     assert wide.ok, codes(wide)
 

@@ -10,6 +10,7 @@ import click
 
 from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
+from wedmcam.cli.lengths import LENGTH
 from wedmcam.cli.progress import waiting
 
 
@@ -20,6 +21,15 @@ from wedmcam.cli.progress import waiting
 @click.option("--format", "format_", metavar="FORMAT", help="Of PROGRAM; else by name, content.")
 @click.option("--profile-in", metavar="NAME|FILE", help="Profile of PROGRAM.")
 @click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
+@click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99.")
+@click.option("--angle", type=float, default=0.0, help="Degrees from copy to copy.")
+@click.option("--gap", "gap_um", type=LENGTH, default="0", help="Of a compensation file.")
+@click.option(
+    "--side",
+    type=click.Choice(["part", "die"]),
+    default="part",
+    help="Of a compensation file: part outwards, die inwards.",
+)
 @click.option("--json", "json_", is_flag=True, help="Summary as JSON on standard output.")
 @click.option("--strict", is_flag=True, help="Warnings are errors: nothing may get lost.")
 @click.option("-q", "--quiet", is_flag=True, help="Errors only.")
@@ -30,6 +40,10 @@ def convert_command(
     format_: str | None,
     profile_in: str | None,
     profile: str | None,
+    copies: int,
+    angle: float,
+    gap_um: float,
+    side: str,
     json_: bool,
     strict: bool,
     quiet: bool,
@@ -42,6 +56,7 @@ def convert_command(
     """
     from wedmcam import conversion
     from wedmcam.cli import say
+    from wedmcam.entered import Entered
 
     target = to if to in conversion.TARGETS else None if to else conversion.target_of(output)
     machine = None
@@ -65,6 +80,7 @@ def convert_command(
             profile_in=machine_in,
             name=name,
             strict=strict,
+            entered=Entered(copies, angle, gap_um, side == "part"),
         )
     say.say_findings(made.findings, name, quiet)
     if made.data is None:

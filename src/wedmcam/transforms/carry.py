@@ -129,16 +129,14 @@ def _parts(
     kind = blocks["kind"].astype(np.int64)
     arc = kind == Kind.ARC
     straight = (kind == Kind.LINE) | (kind == Kind.MOVE)
-    # In how many pieces: a line by its longer side, an arc by its steps and by whole turns.
+    # In how many pieces: a line by its longer side, an arc by its steps.
     longest = np.maximum(abs(motion.dx), abs(motion.dy))
     pieces = np.where(kept, 1, 0)
     most = min(rules.line_um, rules.count_um)
     pieces = np.where(straight & kept, -(-longest // most), pieces)
-    radius = np.ceil(np.hypot(blocks["x"], blocks["y"])).astype(np.int64)
-    turns = -(-motion.steps // np.maximum(8 * radius, 1))
     halves = -(-motion.steps // (2 * rules.count_um)) if rules.count_um else 1
     long = np.where(motion.steps > rules.count_um, halves * 2, 1)
-    pieces = np.where(arc & kept, np.maximum(turns, long), pieces)
+    pieces = np.where(arc & kept, long, pieces)
     pieces = np.where(kept & (straight | arc), np.maximum(pieces, 1), pieces)
     source = np.repeat(np.arange(len(blocks)), pieces)
     nth = np.arange(len(source)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
@@ -166,36 +164,41 @@ def _parts(
     out.count = np.where(line, count, 0)
     rows = np.flatnonzero(arc[source])
     sx, sy = part["x"][rows] + x0[rows], part["y"][rows] + y0[rows]
-    return _with_arcs(out, rows, sx, sy, dx[rows], dy[rows], rules)
+    return _with_arcs(out, rows, sx, sy, dx[rows], dy[rows], (high - low)[rows], rules)
 
 
 def _with_arcs(
-    out: _Parts, rows: Ints, sx: Ints, sy: Ints, dx: Ints, dy: Ints, rules: Rules
+    out: _Parts, rows: Ints, sx: Ints, sy: Ints, dx: Ints, dy: Ints, steps: Ints, rules: Rules
 ) -> _Parts:
     """Fill in the arcs: start from the centre, and the J that stops at the same step.
 
     On the inscribed square not every step counts. Where the last one does not, the arc stops at
-    the one before that does, and a line of a micron or two goes on to the end.
+    the one before that does, and a line of a micron or two goes on to the end. The path comes by an
+    end once a turn: what ``steps`` go beyond that are whole turns.
     """
     end = arc_end(sx, sy, out.turn[rows], sx + dx, sy + dy)
+    whole = arc_end(sx, sy, out.turn[rows], sx, sy)
+    turns = np.where(end.landed, (steps - end.steps) // np.maximum(whole.steps, 1), 0)
     out.x[rows], out.y[rows] = sx, sy
     if not rules.square:
         out.axis[rows] = end.last_axis
-        out.count[rows] = np.where(end.last_axis == Axis.X, end.count_x, end.count_y)
+        x, y = (end.count_x + turns * whole.count_x, end.count_y + turns * whole.count_y)
+        out.count[rows] = np.where(end.last_axis == Axis.X, x, y)
         return out
-    out.axis[rows], out.count[rows] = int(Axis.SQUARE), end.count_square
+    square = end.count_square + turns * whole.count_square
+    out.axis[rows], out.count[rows] = int(Axis.SQUARE), square
     short = ~end.square_counts
     if not short.any():
         return out
     cut = np.zeros(int(short.sum()), BLOCK)
-    for name, values in (("x", sx), ("y", sy), ("count", end.count_square)):
+    for name, values in (("x", sx), ("y", sy), ("count", square)):
         cut[name] = values[short]
     cut["kind"], cut["turn"], cut["axis"] = Kind.ARC, out.turn[rows][short], Axis.SQUARE
     there = run(cut, rules.table)
     rest_x, rest_y = dx[short] - there.dx, dy[short] - there.dy
     axis, count = line_count(rest_x, rest_y, rules.table)
     at = rows[short] + 1
-    gone = np.flatnonzero(end.count_square == 0)
+    gone = np.flatnonzero(square[short] == 0)
 
     def insert(values: Ints, new: Ints | int) -> Ints:
         added: Ints = np.insert(values, at, new)
@@ -203,7 +206,7 @@ def _with_arcs(
 
     # An arc that has no counting step at all is the line alone.
     keep = np.ones(len(out.kind), dtype=bool)
-    keep[rows[gone]] = False
+    keep[rows[short][gone]] = False
     keep = np.insert(keep, at, (rest_x != 0) | (rest_y != 0))
     made = _Parts(
         kind=insert(out.kind, int(Kind.LINE)),

@@ -1,0 +1,101 @@
+"""What the operator of a ZD-065 enters beside a file: copies and an angle, or a gap and its side.
+
+A file in the rotation or the compensation format is a figure; the cutting program is what the
+controller makes of it with these numbers (``controller.processing``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.machines import Machine
+from wedmcam.options import WrongUse
+
+
+@dataclass(frozen=True, slots=True)
+class Entered:
+    """Numbers that belong to a rotation or a compensation file.
+
+    Attributes:
+        copies: of a figure in rotation format, 0 to 99 [S].
+        angle: degrees from copy to copy, counter-clockwise.
+        gap_um: of a compensation file, whole um.
+        outwards: True for a part (punch), False for a die.
+    """
+
+    copies: int = 0
+    angle: float = 0.0
+    gap_um: float = 0.0
+    outwards: bool = True
+
+    def __post_init__(self) -> None:
+        if bool(self.copies) != bool(self.angle):
+            raise WrongUse("--copies and --angle go together")
+        if not 0 <= self.copies <= 99:
+            raise WrongUse(f"--copies {self.copies}: the controller makes 1 to 99")
+
+    def check(self, source: str, target: str) -> None:
+        """Refuse what neither format takes.
+
+        Args:
+            source: format of the program that is read.
+            target: format that is written.
+
+        Raises:
+            WrongUse: with what would take it.
+        """
+        if (self.copies or self.angle) and source != "rotation":
+            raise WrongUse(f"--copies and --angle turn a figure in rotation format, not {source}")
+        if not self.gap_um:
+            return
+        if "compensation" not in (source, target):
+            raise WrongUse(f"--gap is for the compensation format, not for {source} to {target}")
+        if source == target:
+            raise WrongUse("--gap would be applied to a compensation file that stays one")
+        if self.gap_um != round(self.gap_um) or self.gap_um < 0:
+            raise WrongUse(f"--gap is a whole number of um from 0 on, not {self.gap_um:g} um")
+
+    def read(self, format_: str) -> dict[str, Any]:
+        """Return what the reader of a format takes of it."""
+        if format_ == "rotation":
+            return {"copies": self.copies, "step": self.angle}
+        if format_ == "compensation":
+            return {"gap_um": round(self.gap_um), "outwards": self.outwards}
+        return {}
+
+    def write(self, program: Program, machine: Machine) -> dict[str, Any]:
+        """Return what the writer of a format takes of it."""
+        if machine.format != "compensation":
+            return {}
+        more: dict[str, Any] = {"gap_um": round(self.gap_um), "outwards": self.outwards}
+        return more | ({"grown": grown(program, machine)} if self.gap_um else {})
+
+
+def grown(program: Program, machine: Machine) -> NDArray[np.int8]:
+    """Return for each block +1 where an outward gap makes its arc larger, -1 where smaller.
+
+    Outwards is away from the inside of the run of cuts that an arc belongs to: an arc grows where
+    it turns as its run does.
+    """
+    from wedmcam.controller import run
+
+    blocks = program.blocks
+    motion = run(blocks, LineTable(machine.line_table))
+    cut = blocks["kind"] <= Kind.ARC
+    number = np.cumsum(np.concatenate([[0], np.diff(cut.astype(np.int8)) == 1]))
+    x, y = np.cumsum(motion.dx), np.cumsum(motion.dy)
+    twice = (x - motion.dx) * y - (y - motion.dy) * x  # area under chords, doubled
+    # An arc adds the segment between itself and its chord, R^2 (sweep - sin sweep).
+    radius = np.hypot(blocks["x"], blocks["y"])
+    reach = np.hypot(motion.dx, motion.dy) / np.maximum(2 * radius, 1)
+    half = np.arcsin(np.clip(reach, 0, 1))
+    sweep = 2 * np.where(motion.steps > 4 * radius, np.pi - half, half)
+    bow = np.where(blocks["turn"] != 0, blocks["turn"] * radius**2 * (sweep - np.sin(sweep)), 0.0)
+    area = np.bincount(number, np.where(cut, twice + bow, 0.0))
+    sense = np.where(area[number] < 0, -1, 1) * np.where(blocks["turn"] < 0, -1, 1)
+    return np.where(blocks["turn"] == 0, 1, sense).astype(np.int8)

@@ -13,10 +13,11 @@ import parts
 
 pty = pytest.importorskip("pty")
 
-#: Starts the program with no patience: a bar is shown at once.
-AT_ONCE = (
-    "from wedmcam.cli import progress; progress.PATIENCE = 0.0; "
+#: Start the program with no patience, and with much: a bar is shown at once, or never.
+AT_ONCE, NEVER = (
+    f"from wedmcam.cli import progress; progress.PATIENCE = {seconds}; "
     "from wedmcam.__main__ import main; main()"
+    for seconds in (0.0, 1e6)
 )
 
 
@@ -73,16 +74,16 @@ def test_a_compile_shows_that_it_works(folder):
 
 def test_quick_work_shows_no_bar(folder):
     line = ("compile", "p0.dxf", "-o", "x.3b", "--offset", "0.1")
-    _, seen = on_a_terminal(folder, *line, start=("-m", "wedmcam"))
+    _, seen = on_a_terminal(folder, *line, start=("-c", NEVER))
     assert "compiling" not in seen
 
 
 def test_colours_on_a_terminal_unless_they_are_not_wanted(folder):
     line = ("check", "p0.dxf")
-    _, seen = on_a_terminal(folder, *line, start=("-m", "wedmcam"))
+    _, seen = on_a_terminal(folder, *line, start=("-c", NEVER))
     assert "\x1b[33;1mwarning[no-offset]\x1b[0m" in seen
     for env in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
-        _, seen = on_a_terminal(folder, *line, env=env, start=("-m", "wedmcam"))
+        _, seen = on_a_terminal(folder, *line, env=env, start=("-c", NEVER))
         assert "\x1b" not in seen
         assert "warning[no-offset]" in seen
 

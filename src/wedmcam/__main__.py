@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import os
 import signal
@@ -26,16 +27,30 @@ def main() -> None:
 
         status = cli.main(prog_name="wedmcam", standalone_mode=False)
         sys.stdout.flush()
-        sys.exit(status if isinstance(status, int) else 0)
+        status = status if isinstance(status, int) else 0
     except BrokenPipeError:
         # Nobody reads any more: that is their right. Python must not flush into it again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(141)
+        status = 141
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")
-        sys.exit(INTERRUPTED)
+        status = INTERRUPTED
+    except SystemExit as why:
+        status = why.code if isinstance(why.code, int) else 1
     except Exception as why:
-        sys.exit(_said(why))
+        status = _said(why)
+    _leave(status)
+
+
+def _leave(status: int) -> None:
+    """End; without waiting for the workers of a batch that was interrupted."""
+    batch = sys.modules.get("wedmcam.cli.batch")
+    if batch is not None and batch.ABANDONED:
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(status)
+    sys.exit(status)
 
 
 def _ended(number: int, _: Any) -> None:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.cli.files import Failed, write_outputs
+from wedmcam.cli.files import Failed, remove_unfinished, write_outputs
 from wedmcam.cli.progress import Bar
 from wedmcam.options import SUFFIX_OF_FORMAT, WrongUse
 
@@ -187,40 +187,59 @@ def outcomes(items: Sequence[Item], force_units: bool, jobs: int) -> Iterator[Ou
         for item in items:
             yield make(item, force_units)
         return
-    with ProcessPoolExecutor(min(jobs, len(items)), initializer=_of_a_batch) as pool:
-        waiting: dict[Future[Outcome], int] = {}
-        done: dict[int, Outcome] = {}
-        upcoming = iter(enumerate(items))
-        following = 0
-        try:
-            while following < len(items):
-                while len(waiting) < 4 * jobs:
-                    step = next(upcoming, None)
-                    if step is None:
-                        break
-                    number, item = step
-                    waiting[pool.submit(make, item, force_units)] = number
-                if following not in done:
-                    finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
-                    for future in finished:
-                        number = waiting.pop(future)
-                        done[number] = _result(future, items[number])
-                while following in done:
-                    yield done.pop(following)
-                    following += 1
-        except BaseException:
-            # Interrupted: nobody waits for what is under way. A worker that is ended removes what
-            # it has half written.
-            workers = list((pool._processes or {}).values())
-            pool.shutdown(wait=False, cancel_futures=True)
-            for worker in workers:
-                worker.terminate()
-            raise
+    pool = ProcessPoolExecutor(min(jobs, len(items)), initializer=_of_a_batch)
+    waiting: dict[Future[Outcome], int] = {}
+    done: dict[int, Outcome] = {}
+    upcoming = iter(enumerate(items))
+    following = 0
+    try:
+        while following < len(items):
+            while len(waiting) < 4 * jobs:
+                step = next(upcoming, None)
+                if step is None:
+                    break
+                number, item = step
+                waiting[pool.submit(make, item, force_units)] = number
+            if following not in done:
+                finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
+                for future in finished:
+                    number = waiting.pop(future)
+                    done[number] = _result(future, items[number])
+            while following in done:
+                yield done.pop(following)
+                following += 1
+    except BaseException:
+        _abandon(pool)
+        raise
+    pool.shutdown()
+
+
+#: Pools whose workers were ended: Python must not wait for them when it ends itself.
+ABANDONED: list[ProcessPoolExecutor] = []
+
+
+def _abandon(pool: ProcessPoolExecutor) -> None:
+    """End the workers of an interrupted batch: nobody waits for what is under way."""
+    ABANDONED.append(pool)
+    workers = list((pool._processes or {}).values())
+    pool.shutdown(wait=False, cancel_futures=True)
+    for worker in workers:
+        worker.terminate()
+    for worker in workers:
+        worker.join(10)
+        worker.kill()
 
 
 def _of_a_batch() -> None:
-    """Leave Ctrl-C to the process that started this one: it ends its workers."""
+    """Leave Ctrl-C to the process that started this one; when it says so, end at once."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _ended)
+
+
+def _ended(number: int, _: Any) -> None:
+    # No exception: the pool would take it for the outcome of an item, and go on.
+    remove_unfinished()
+    os._exit(128 + number)
 
 
 def _result(future: Future[Outcome], item: Item) -> Outcome:

@@ -7,8 +7,8 @@ are renamed only when all were written.
 from __future__ import annotations
 
 import os
+import secrets
 import sys
-import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -86,6 +86,17 @@ def check_outputs(inputs: Sequence[str], outputs: Sequence[str]) -> None:
         raise click.UsageError("only one output can be standard output")
 
 
+#: Files that are being written beside their places.
+UNFINISHED: set[str] = set()
+
+
+def remove_unfinished() -> None:
+    """Remove what was being written: a run was interrupted, or a file could not be replaced."""
+    while UNFINISHED:
+        with suppress(OSError):
+            os.unlink(UNFINISHED.pop())
+
+
 def write_outputs(outputs: Sequence[tuple[str, bytes]]) -> None:
     """Write all files beside their places, then rename them; ``-`` is standard output.
 
@@ -100,20 +111,18 @@ def write_outputs(outputs: Sequence[tuple[str, bytes]]) -> None:
             if _is_device(name):
                 continue
             place = Path(name).resolve()
-            handle, beside = tempfile.mkstemp(prefix=f".{place.name}.", dir=place.parent)
+            beside = str(place.parent / f".{place.name[:50]}.{secrets.token_hex(4)}")
             made.append((beside, str(place)))
-            with os.fdopen(handle, "wb") as file:
+            UNFINISHED.add(beside)
+            with open(beside, "xb") as file:
                 file.write(data)
             os.chmod(beside, _mode(place))
         for beside, place_name in made:
             os.replace(beside, place_name)
-        made = []
     except OSError as why:
         raise Failed(f"{why.filename or 'output'}: cannot be written: {why.strerror}") from why
     finally:
-        for beside, _ in made:
-            with suppress(OSError):
-                os.unlink(beside)
+        remove_unfinished()
     for name, data in outputs:
         try:
             if name == "-":

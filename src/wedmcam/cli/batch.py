@@ -99,6 +99,7 @@ def find(inputs: Sequence[str], folder: str, how: Callable[[str], How]) -> list[
             found.setdefault(str(file), file.relative_to(base))
     items = []
     taken: dict[str, str] = {}
+    sources = {Path(source).resolve() for source in found}
     for source in sorted(found):
         asked = how(source)
         ending = SUFFIX_OF_FORMAT[asked.machine.format] if asked.machine else ".3b"
@@ -108,7 +109,7 @@ def find(inputs: Sequence[str], folder: str, how: Callable[[str], How]) -> list[
                 f"{source} and {taken[output]} would both become {output}: give their folder"
             )
         taken[output] = source
-        if Path(output).resolve() in {Path(s).resolve() for s in found}:
+        if Path(output).resolve() in sources:
             raise click.UsageError(f"the output {output} would overwrite an input")
         items.append(Item(source, output, asked))
     return items

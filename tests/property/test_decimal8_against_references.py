@@ -26,7 +26,8 @@ EIGHT = Context(prec=8, rounding=ROUND_HALF_UP)
 
 @pytest.mark.parametrize("name", prove.OPERATIONS)
 def test_identical_to_the_reference(name):
-    assert prove.differences(name, 20_000, seed=83) == []
+    count = 5_000 if name.startswith("ones_") else 20_000  # arrays of one element, one by one
+    assert prove.differences(name, count, seed=83) == []
 
 
 def test_a_rounding_that_knows_no_doubt_is_found_out(monkeypatch):

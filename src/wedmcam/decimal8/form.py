@@ -3,7 +3,7 @@
 A value is ``m * 10**(e - 8)``: a signed mantissa m of exactly 8 digits (10,000,000 to 99,999,999)
 and the exponent e of ``0.dddddddd x 10^e``, -99 to +99, as the ZD-065 stores it. Zero has m = 0
 and, inside, an exponent far below every other (`ZERO`), so that aligning two numbers for an
-addition needs no special case; outside it shows as 0.
+addition needs no special case; outside it shows as 0. Arrays hold floats instead (`held`).
 
 Overflow raises, underflow gives zero and is flagged: `watch` tells whether and how often.
 """
@@ -20,7 +20,7 @@ DIGITS = 8
 LOW, HIGH = 10**7, 10**8
 #: Largest exponent, and the negative of the smallest.
 EXPONENT_MAX = 99
-#: Exponent of zero inside arrays: below all others by more than any sum of them.
+#: Exponent of zero, inside: below all others by more than any sum of them.
 ZERO = -9999
 
 

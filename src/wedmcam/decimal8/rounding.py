@@ -17,17 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.decimal8.form import DIGITS, ZERO
-from wedmcam.decimal8.held import (
-    EXACT_TEN,
-    Floats,
-    Ints,
-    cells,
-    checked,
-    decades,
-    ten,
-)
+from wedmcam.decimal8.held import EXACT_TEN, Floats, Ints, cells, checked, decades, ten
 
-#: Elements computed at a time: temporaries stay in a level 2 cache.
+#: Elements computed at a time: so many that calls do not count, so few that buffers stay in cache.
 PIECE = 32768
 
 #: How near to the middle, in units of the last digit, a float64 value may come and still be

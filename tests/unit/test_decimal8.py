@@ -183,7 +183,13 @@ def test_underflow_is_flagged_in_every_open_watch():
         Decimal8Array(np.array([1e-200, 1e-300, 0.0]))
     assert outer.underflows == 5
     assert inner.underflows == 2
+    for _ in range(2):
+        with watch() as constant:
+            assert (tiny * 1e-200).tolist() == [0, 0, 0, 0]
+        assert constant.underflows == 1
     with watch() as quiet:
+        assert (tiny > 1e-200).tolist() == [True, True, False, False]
+        assert (tiny < np.full(4, -1e-200)).tolist() == [False, False, True, False]
         assert (tiny * 0).tolist() == [0, 0, 0, 0]
         assert (tiny - tiny).tolist() == [0, 0, 0, 0]
     assert not quiet.underflow

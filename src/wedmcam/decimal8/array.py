@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wedmcam.decimal8 import convert, functions, kernel
-from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO
+from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO, unwatched
 from wedmcam.decimal8.held import Floats, beside, floats, parts
 from wedmcam.decimal8.methods import Methods
 from wedmcam.decimal8.scalar import Decimal8, parts_of
@@ -370,9 +370,15 @@ def _operand(value: Any) -> bool:
     )
 
 
-@lru_cache(maxsize=256)
 def _constant(value: float) -> tuple[Floats, bool]:
     """Return a Python number as an operand, and whether it has at most 5 digits."""
+    if -1e-99 < value < 1e-99 and value:
+        return _remembered.__wrapped__(value)  # an underflow is flagged each time
+    return _remembered(value)
+
+
+@lru_cache(maxsize=256)
+def _remembered(value: float) -> tuple[Floats, bool]:
     rounded = Decimal8(value)
     return np.array(float(rounded)), rounded.mantissa % 1000 == 0
 
@@ -471,7 +477,8 @@ def _apart(x: Any) -> tuple[Floats, int]:
     if x != x:
         return np.array(np.nan), 0
     try:
-        rounded = Decimal8(x)
+        with unwatched():
+            rounded = Decimal8(x)
     except OverflowError:
         return np.array(np.inf if x > 0 else -np.inf), 0
     return np.array(float(rounded)), int(rounded < x) - int(rounded > x)
@@ -486,7 +493,8 @@ def _all_apart(x: NDArray[Any]) -> tuple[Floats, NDArray[Any]]:
         return named, np.sign(wide - named.astype(np.int64))
     values = x.astype(np.float64)
     usual = np.abs(values) < 9e98  # others, NaN among them, one by one
-    named = convert.from_floats(np.where(usual, values, 0.0))
+    with unwatched():
+        named = convert.from_floats(np.where(usual, values, 0.0))
     rests = np.sign(np.where(usual, values - named, 0.0)).astype(np.int64)
     # The float that names a number need not be equal to it.
     same = np.flatnonzero((values == named) & (named != 0))

@@ -61,6 +61,16 @@ def watch() -> Iterator[Flags]:
         _watching.reset(token)
 
 
+@contextmanager
+def unwatched() -> Iterator[None]:
+    """Keep what is computed inside the ``with`` block from every `watch`: a comparison, say."""
+    token = _watching.set(())
+    try:
+        yield
+    finally:
+        _watching.reset(token)
+
+
 def flag_underflow(count: int = 1) -> None:
     """Tell every open `watch` that ``count`` results underflowed."""
     for flags in _watching.get():

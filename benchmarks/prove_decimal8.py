@@ -544,6 +544,12 @@ OPERATIONS = {
     "ones_short": (full, in_ones(lambda a, b: a / float(b[0])), quotient, None),
     "ones_sqrt": (roots, in_ones(np.sqrt), root, None),
     "ones_from_float": (any_floats, in_ones(Decimal8Array), lambda x: rounded(Decimal(x)), None),
+    "ones_cos_degrees": (
+        lambda rng, n: (degrees(rng, n),),
+        in_ones(lambda a: a.cos(True)),
+        in_degrees("cos"),
+        lambda x: (x, LD(np.inf)),  # leaves everything to mpmath
+    ),
     "sin": radian("sin", np.sin),
     "cos": radian("cos", np.cos),
     "tan": radian("tan", np.tan, steep),
@@ -663,6 +669,7 @@ TITLES = {
     "ones_short": "a / 2, arrays of one",
     "ones_sqrt": "sqrt, arrays of one",
     "ones_from_float": "from float, arrays of one",
+    "ones_cos_degrees": "cos, degrees, arrays of one",
     "pow": "a ** b",
 }
 

@@ -31,6 +31,22 @@ def test_tangent_is_exact_at_multiples_of_45_degrees():
             tan(pole, degrees=True)
 
 
+def test_angles_too_large_for_float64_are_reduced_in_integers():
+    degrees = ["-2.2564342e17", "1.7801972e17", "1.6903585e17", "-1.5625e17"]
+    a = Decimal8Array(degrees)
+    assert [int(x) % 360 for x in a.tolist()] == [80, 80, 280, 80]
+    assert cos(a, degrees=True).tolist() == [Decimal("0.17364818")] * 4
+    assert [cos(x, degrees=True) for x in a] == [Decimal8("0.17364818")] * 4
+    a = Decimal8Array([90 * 10**k for k in range(3, 20)])  # whole turns, all of them
+    assert sin(a, degrees=True).tolist() == tan(a, degrees=True).tolist() == [0] * 17
+    assert cos(a, degrees=True).tolist() == [1] * 17
+    # 10^k is 280 modulo 360.
+    a = Decimal8Array([f"1e{k}" for k in range(3, 99)])
+    assert cos(a, degrees=True).tolist() == [Decimal("0.17364818")] * 96
+    assert sin(a, degrees=True).tolist() == [Decimal("-0.98480775")] * 96
+    assert tan(a, degrees=True).tolist() == [Decimal("-5.6712818")] * 96
+
+
 def test_inverses_are_exact_in_degrees():
     a = Decimal8Array([-1, "-0.5", 0, "0.5", 1])
     assert asin(a, degrees=True).tolist() == [-90, -30, 0, 30, 90]

@@ -277,13 +277,22 @@ _ODD = np.array([False, True, False, True])
 _SIGN = np.array([1.0, 1.0, -1.0, -1.0])
 
 
+def _turning_degrees(v: Floats) -> Floats:
+    """Return how far the float next to an angle moves a sine; from 2^53 on nothing is known.
+
+    Below, a float that is a multiple of 90 is the angle itself, and a zero is none by chance.
+    """
+    size = np.abs(v)
+    return np.where(size < 2.0**53, size * (UNIT * _DEGREE), np.inf)
+
+
 def _front_wave(v: Floats, ahead: int) -> Front:
     """Of multiples of 30 and 45 degrees the rest is exact, and the sine next to its value."""
     turns = np.rint(v / 90.0)
     rest = v - turns * 90.0
     quadrant = (turns % 4.0).astype(np.int64) + ahead & 3
     rest = np.where(_ODD[quadrant], 90.0 - np.abs(rest), rest)
-    return np.sin(rest * _DEGREE) * _SIGN[quadrant], _turning(v) * _DEGREE
+    return np.sin(rest * _DEGREE) * _SIGN[quadrant], _turning_degrees(v)
 
 
 def _front_tan_degrees(v: Floats) -> Front:
@@ -292,7 +301,7 @@ def _front_tan_degrees(v: Floats) -> Front:
     odd = turns % 2.0 == 1.0
     y = np.tan(np.where(odd & (rest == 0), np.nan, rest) * _DEGREE)  # a pole, or too large to tell
     np.divide(-1.0, y, y, where=odd)
-    return y, (1 + y * y) * _turning(v) * _DEGREE
+    return y, (1 + y * y) * _turning_degrees(v)
 
 
 sin_degrees = Function("sin", (_sin_degrees,), _in_degrees("sin"), lambda v: _front_wave(v, 0))

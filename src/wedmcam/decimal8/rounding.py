@@ -159,7 +159,7 @@ def _one(
     """Do what `rounded` does for one number, without arrays; None if it is doubtful."""
     size = abs(y)
     if size == 0.0:
-        return 0.0
+        return 0.0 if slack is None or slack.item() < _SURE else None
     decade = bisect_right(_ENDS, size)
     if not 0 < decade < len(_ENDS):
         return None

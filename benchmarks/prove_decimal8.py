@@ -300,6 +300,7 @@ def long(a):
 def nearest(value, error):
     """Mantissas and exponents of values, and which the error leaves open."""
     size = np.abs(value)
+    zero = (value == 0) & (error == 0)  # else it might be something else
     usual = np.isfinite(size) & (size > LD("1e-98")) & (size < LD("1e98")) & (error < size)
     size, error = np.where(usual, size, LD(1)), np.where(usual, error, LD(0))
     e = np.floor(np.log10(size)).astype(int) + 1
@@ -311,8 +312,6 @@ def nearest(value, error):
     m = np.where(value < 0, -n, n).astype(np.int64)
     carried = np.abs(m) == HIGH
     m, e = np.where(carried, m // 10, m), e + carried
-    # Zero is known to be zero only where there is no error.
-    zero = (value == 0) & ~usual & (error == 0)
     return np.where(zero, 0, m), np.where(zero, 0, e), ~(usual & far | zero)
 
 

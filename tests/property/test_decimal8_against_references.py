@@ -56,6 +56,7 @@ def test_digits_lost_next_to_a_power_of_ten_are_found_out(monkeypatch):
 
 def test_angles_taken_for_their_floats_are_found_out(monkeypatch):
     monkeypatch.setattr(functions, "_turning", np.zeros_like)
+    monkeypatch.setattr(functions, "_turning_degrees", np.zeros_like)
     for name in ("sin", "cos", "tan", "sin_degrees"):
         assert prove.differences(name, 20_000, seed=83), name
 

@@ -461,15 +461,16 @@ def _unended(program: Program, machine: Machine) -> list[Diagnostic]:
     from wedmcam.ir.program import Kind
 
     kinds = program.blocks["kind"]
-    if machine.format != "3b" or ((kinds == Kind.STOP) | (kinds == Kind.END)).any():
+    if machine.format not in ("3b", "iso") or ((kinds == Kind.STOP) | (kinds == Kind.END)).any():
         return []
+    stop = "M02" if machine.format == "iso" else machine.words.stop
     return [
         warning(
             "no-end",
-            f"the program has no stop ({machine.words.stop}): some controllers run on into what "
+            f"the program has no stop ({stop}): some controllers run on into what "
             "their memory still holds",
             program.spans[-1] if len(program.spans) else None,
-            hint=f"end it with {machine.words.stop}",
+            hint=f"end it with {stop}",
         )
     ]
 

@@ -220,7 +220,7 @@ def rules_of(machine: Machine) -> Any:
         table=LineTable(machine.line_table),
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,
-        words=text,
+        words=(r"M\d{1,4}" if machine.format == "iso" else ".*") if text else "",
         pairs=text,
         end=machine.format in ("3b", "4b"),
     )

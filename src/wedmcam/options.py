@@ -12,9 +12,15 @@ from typing import Any
 from wedmcam.ir.plan import Order, Side
 
 #: File name endings of programs, and the format each means.
-FORMAT_OF_SUFFIX = {".3b": "3b", ".zd": "compact", ".zdr": "rotation", ".zdc": "compensation"}
+FORMAT_OF_SUFFIX = {
+    ".3b": "3b",
+    ".zd": "compact",
+    ".zdr": "rotation",
+    ".zdc": "compensation",
+    ".nc": "iso",
+}
 SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.items()}
-PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation")
+PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso")
 SOURCE_FORMATS = ("dxf",)
 ARITHMETICS = ("decimal8", "float64")
 

@@ -162,7 +162,7 @@ def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
             "--count textbook is for 3B: the ZD-065 counts on the inscribed square, by stepping"
         )
     target = Target(
-        square=machine.format != "3b",
+        square=machine.binary,
         table=LineTable(machine.line_table),
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,

@@ -24,7 +24,7 @@ CASES = [
         "cover": {"offset": 0.1},
         "damaged": {"offset": 0.1, "units": "mm"},
     }.items()
-    for ending in (".3b", ".zd")
+    for ending in (".3b", ".zd", ".nc")
 ] + [
     (
         "key-punch",
@@ -33,12 +33,17 @@ CASES = [
     ),
     ("gear-24", ".textbook.3b", {"offset": 0.1, "count": "textbook"}),
 ]
-PROFILES = {"plate.columns.3b": "b3-columns", "plate.numbered.3b": "b3-numbered"}
+PROFILES = {
+    "plate.columns.3b": "b3-columns",
+    "plate.numbered.3b": "b3-numbered",
+    "plate.mm.nc": "iso-mm",
+    "plate.fixed.nc": "iso-fixed",
+}
 
 
 def compiled(drawing, ending, options, profile=None):
     data = (SAMPLES / f"{drawing}.dxf").read_bytes()
-    to = "compact" if ending.endswith(".zd") else "3b"
+    to = {".zd": "compact", ".nc": "iso"}.get(ending[-3:], "3b")
     made = api.compile(data, to=to, name=drawing, profile=profile, **options)
     assert made.ok, [d.message for d in made.findings]
     return made
@@ -52,7 +57,7 @@ def test_golden(drawing, ending, options, update_golden):
 
 @pytest.mark.parametrize("name", sorted(PROFILES))
 def test_golden_layouts(name, update_golden):
-    made = compiled("plate", ".3b", {"offset": 0.1}, PROFILES[name])
+    made = compiled("plate", name[-3:], {"offset": 0.1}, PROFILES[name])
     judge(HERE / name, made.data, update_golden)
 
 

@@ -28,14 +28,16 @@ def place(span):
 
 
 @pytest.mark.parametrize(
-    "path", sorted([*BAD.glob("*.3b"), *BAD.glob("*.zd.txt")]), ids=lambda p: p.name
+    "path",
+    sorted([*BAD.glob("*.3b"), *BAD.glob("*.zd.txt"), *BAD.glob("*.nc")]),
+    ids=lambda p: p.name,
 )
 def test_bad_program(path):
     text = path.read_text("ascii")
     want = {(where, severity, code) for where, severity, code in EXPECTED.findall(text)}
     assert want
-    if path.suffix == ".3b":
-        format_, data = "3b", text.encode()
+    if path.suffix in (".3b", ".nc"):
+        format_, data = {".3b": "3b", ".nc": "iso"}[path.suffix], text.encode()
     else:
         format_, data = "compact", bytes.fromhex(re.sub("#.*", "", text))
     _, found = decoder(format_)(data, default(format_), path.name)

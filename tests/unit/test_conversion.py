@@ -17,8 +17,10 @@ def codes(made):
     return [d.code for d in made.findings]
 
 
-@pytest.mark.parametrize("to", ["3b", "compact", "rotation", "compensation"])
-@pytest.mark.parametrize("name", ["plate.3b", "gear-24.zd", "cover.3b", "plate.columns.3b"])
+@pytest.mark.parametrize("to", ["3b", "compact", "rotation", "compensation", "iso"])
+@pytest.mark.parametrize(
+    "name", ["plate.3b", "gear-24.zd", "cover.nc", "plate.columns.3b", "plate.fixed.nc"]
+)
 def test_golden_programs_become_every_format(name, to):
     made = conversion.convert(GOLDEN / name, to=to)
     assert made.ok, codes(made)

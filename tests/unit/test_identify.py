@@ -100,3 +100,17 @@ def test_random_bytes_are_called_random():
         identify(rng.randbytes(rng.randrange(1, 400))).format != "unknown" for _ in range(3000)
     )
     assert named <= 3  # a lone 0 is empty memory
+
+
+@pytest.mark.parametrize(
+    ("data", "format_"),
+    [
+        (b"G92 X0 Y0\nG91\nG01 X100 Y5\nM02\n", "iso"),
+        (b"%\n(part)\ng90g1x1.5y-.5\ng2x0y0i1j0\nm2\n%\n", "iso"),
+        (b"Dear Sir,\nG1 is a letter and a digit.\nYours\n", "unknown"),
+        (b"M02\n", "unknown"),
+        (b"A1 B2 C3\nX1 Y2\n", "unknown"),
+    ],
+)
+def test_iso_is_words_and_nothing_else(data, format_):
+    assert identify(data).format == format_

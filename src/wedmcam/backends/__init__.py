@@ -16,6 +16,7 @@ ENCODERS: dict[str, str] = {
     "compact": "wedmcam.backends.compact",
     "rotation": "wedmcam.backends.rotation",
     "compensation": "wedmcam.backends.gap",
+    "iso": "wedmcam.backends.iso",
 }
 
 

@@ -47,7 +47,7 @@ def cli() -> None:
 @click.option(
     "--to",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation, or dxf (the stepped path); by default from the "
+    help="3b, compact, rotation, compensation, iso, or dxf (the stepped path); by default from the "
     "output's name.",
 )
 @ask.compile_options
@@ -96,7 +96,7 @@ def compile_command(
             click.echo("nothing was written", err=True)
         return int(made.status)
     assert made.data is not None
-    if output == "-" and machine.format != "3b" and not drawn and sys.stdout.isatty():
+    if output == "-" and machine.binary and not drawn and sys.stdout.isatty():
         raise click.UsageError("a binary program is not for a terminal: give -o FILE")
     from wedmcam import api
     from wedmcam.cli import say
@@ -120,7 +120,9 @@ def compile_command(
 
 @cli.command("check", cls=Configured, short_help="Everything but writing.")
 @click.argument("input_", metavar="INPUT")
-@click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
+@click.option(
+    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation or iso."
+)
 @ask.compile_options
 @ask.said_options
 def check_command(input_: str, to: str | None, **asked: Any) -> int:
@@ -167,7 +169,9 @@ def _name(path: str) -> str:
 @cli.command("batch", cls=Configured, short_help="Many drawings and folders to programs.")
 @click.argument("inputs", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR", help="Folder of the programs.")
-@click.option("--to", metavar="FORMAT", help="3b (default), compact, rotation or compensation.")
+@click.option(
+    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation or iso."
+)
 @click.option("--jobs", type=click.IntRange(0, 256), default=0, help="Processes; 0: one a core.")
 @click.option("--force-units", is_flag=True, help="--units overrides what drawings say.")
 @ask.compile_options
@@ -207,7 +211,7 @@ def batch_command(
     "--format",
     "format_",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation; else by name, content.",
+    help="3b, compact, rotation, compensation, iso; else by name, content.",
 )
 @click.option("--origin", type=POINT, help="Where the program starts in the drawing, X,Y in mm.")
 @click.option(
@@ -489,7 +493,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
 def _is_program(data: bytes) -> bool:
     from wedmcam.frontends.identify import identify
 
-    return identify(data).format in ("3b", "compact", "rotation", "compensation")
+    return identify(data).format in ("3b", "compact", "rotation", "compensation", "iso")
 
 
 PICTURES = (".svg", ".png", ".html")
@@ -539,7 +543,7 @@ def identify_command(file: str, json_: bool) -> int:
     "--format",
     "format_",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation; else by name, content.",
+    help="3b, compact, rotation, compensation, iso; else by name, content.",
 )
 @ask.machine_options
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")

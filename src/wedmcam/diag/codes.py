@@ -536,6 +536,46 @@ CODES: dict[str, Code] = {
         "Another part would be cut.",
         "Convert to another format, or compile the drawing for it.",
     ),
+    "iso-word": Code(
+        "A word of an ISO line that cannot be read, or that stands there twice.",
+        "The block could mean another path; it was not read.",
+        "Write a letter and a number; a letter other than G and M once in a line.",
+    ),
+    "iso-code": Code(
+        "An ISO code, or an axis, that is not known here and may change the path.",
+        "What a controller would cut cannot be told.",
+        "Remove it, if the machine does not need it; programs here are flat and in G40.",
+    ),
+    "iso-ignored": Code(
+        "An ISO word without an effect on the path: feed, generator, table, a motion of length 0.",
+        "It is not in the program that is proven, nor in one that is converted.",
+        "Nothing is needed; set these things at the machine.",
+    ),
+    "iso-compensation": Code(
+        "G41 or G42: the controller is to offset the path by a table of its own.",
+        "The path depends on a number that is not in the file.",
+        "Write the program with the offset computed (G40).",
+    ),
+    "iso-arc": Code(
+        "An ISO arc whose centre, radius and end do not fit each other.",
+        "Controllers refuse it, or cut a spiral, a full circle or the other arc.",
+        "Correct I and J (from the start to the centre) or R.",
+    ),
+    "iso-end": Code(
+        "The stepped circle of an arc passes beside its stated end, by a micron or a few.",
+        "Controllers go the rest straight; each rounds a little otherwise.",
+        "Nothing is needed; writing the program again makes arcs that end exactly.",
+    ),
+    "iso-units": Code(
+        "A whole number in an ISO program of which the unit is in doubt.",
+        "Read as um instead of mm the part is a thousand times too small.",
+        "Give --profile iso-mm where whole numbers are mm; write inches with a point.",
+    ),
+    "iso-skip": Code(
+        "A block that the operator may skip (/).",
+        "The machine cuts another path with block skip on.",
+        "Remove the slash or the block.",
+    ),
     "lone-line": Code(
         "A cut of one line alone between two pauses.",
         "In 3B it would be read as a move with the wire off.",

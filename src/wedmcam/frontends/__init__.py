@@ -15,6 +15,7 @@ DECODERS: dict[str, str] = {
     "compact": "wedmcam.frontends.compact",
     "rotation": "wedmcam.frontends.rotation",
     "compensation": "wedmcam.frontends.gap",
+    "iso": "wedmcam.frontends.iso",
 }
 
 

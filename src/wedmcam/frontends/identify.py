@@ -72,7 +72,52 @@ def identify(data: bytes) -> Identification:
         return Identification(
             "3b", count, int(records.end[-1]) - 1, None, True, f"3B text: {count} {words}"
         )
+    if (seen := _iso(data)) is not None:
+        return seen
     return _binary(data)
+
+
+#: A line of ISO words: letters and numbers, an optional slash first, nothing else.
+_ISO_LINE = re.compile(rb"/?(?:[A-Z] *[-+]?(?:\d[\d ]*\.?[\d ]*|\.\d[\d ]*))+|%+")
+_ISO_MOTION = re.compile(rb"G *0?[0-3](?!\d)|[XYIJ] *[-+]?[\d.]")
+_ISO_COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
+
+
+def _iso(data: bytes) -> Identification | None:
+    """Return what a text of ISO words is, or None: nine lines in ten must be such words."""
+    if data.count(b"\0") > len(data) // 8 and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return None
+    codes = _ISO_COMMENT.sub(lambda m: b" " * len(m[0]), plain(data).codes)
+    at, motions, lines, last, bad = 0, 0, 0, -1, None
+    coded = False
+    for line in codes.split(b"\n"):
+        if part := line.strip():
+            lines += 1
+            if not _ISO_LINE.fullmatch(part):
+                bad = at if bad is None else bad
+                if lines > 20 and motions * 2 < lines:
+                    return None
+            else:
+                motions += bool(_ISO_MOTION.search(part))
+                coded = coded or bool(re.search(rb"G *\d", part))
+                last = at + len(line.rstrip()) - 1
+        at += len(line) + 1
+    wrong = (
+        sum(
+            1
+            for line in codes.split(b"\n")
+            if line.strip() and not _ISO_LINE.fullmatch(line.strip())
+        )
+        if bad is not None
+        else 0
+    )
+    if not coded or not motions or wrong * 10 > lines:
+        return None
+    words = "line" if motions == 1 else "lines"
+    reason = f"ISO G-code: {motions} {words} with a motion" + (
+        "" if bad is None else f", {wrong} other"
+    )
+    return Identification("iso", motions, last, bad, bad is None, reason)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from importlib.resources import files
 from pathlib import PurePath
 
 from wedmcam.diag import Diagnostic, TextSpan, error
-from wedmcam.machines.machine import Layout, Limits, Machine, Words
+from wedmcam.machines.machine import Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.profile import parse
 
 #: The profile of a format when none is named.
@@ -22,6 +22,7 @@ DEFAULTS: dict[str, str] = {
     "compact": "zd065",
     "rotation": "zd065-rotation",
     "compensation": "zd065-compensation",
+    "iso": "iso-um",
 }
 
 
@@ -93,6 +94,7 @@ def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
 
 __all__ = [
     "DEFAULTS",
+    "Iso",
     "Layout",
     "Limits",
     "Machine",

@@ -80,6 +80,31 @@ class Layout:
 
 
 @dataclass(frozen=True, slots=True)
+class Iso:
+    """How ISO records are written, and what whole numbers mean where they are read.
+
+    Attributes:
+        coordinates: ``incremental`` (G91) or ``absolute`` (G90, drawing coordinates).
+        unit: ``um``: whole numbers; ``mm``: three digits behind a point.
+        integers: what a number without a point is where a program is read, ``um`` or ``mm``.
+        code_digits: of G and M codes: 2 writes G01, 1 writes G1.
+        rapid: moves are G00; else G01 between two M00.
+        sign: ``negative`` writes a minus only, ``always`` a plus too.
+        width: numbers have at least so many characters, zeros in front, the sign not counted.
+        between: what parts the words of a line.
+    """
+
+    coordinates: str = "incremental"
+    unit: str = "um"
+    integers: str = "um"
+    code_digits: int = 2
+    rapid: bool = False
+    sign: str = "negative"
+    width: int = 1
+    between: str = " "
+
+
+@dataclass(frozen=True, slots=True)
 class Machine:
     """One controller or dialect.
 
@@ -92,7 +117,8 @@ class Machine:
         count: ``exact``: J by running the interpolator; ``textbook``: J by geometry.
         limits: see `Limits`.
         words: see `Words`; used by 3B.
-        layout: see `Layout`; used by 3B.
+        layout: see `Layout`; used by 3B and, as far as it fits, by ISO.
+        iso: see `Iso`; used by ISO.
     """
 
     name: str
@@ -103,6 +129,7 @@ class Machine:
     limits: Limits
     words: Words = field(default_factory=Words)
     layout: Layout = field(default_factory=Layout)
+    iso: Iso = field(default_factory=Iso)
 
     @property
     def binary(self) -> bool:

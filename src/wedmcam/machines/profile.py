@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
-from wedmcam.machines.machine import Layout, Limits, Machine, Words
+from wedmcam.machines.machine import Iso, Layout, Limits, Machine, Words
 
-FORMATS = ("3b", "compact", "rotation", "compensation")
-_BINARY = FORMATS[1:]
+FORMATS = ("3b", "compact", "rotation", "compensation", "iso")
+_BINARY = FORMATS[1:4]
 _EOL = {"lf": "\n", "crlf": "\r\n", "cr": "\r"}
 _ENCODINGS = ("ascii", "utf-8", "gbk")
 
@@ -32,8 +32,9 @@ class _Key:
     formats: tuple[str, ...] = FORMATS
 
 
-def _choice(*values: str, required: bool = False) -> _Key:
-    return _Key(str, " or ".join(f'"{v}"' for v in values), lambda v: v in values, required)
+def _choice(*values: str, required: bool = False, formats: tuple[str, ...] = FORMATS) -> _Key:
+    takes = " or ".join(f'"{v}"' for v in values)
+    return _Key(str, takes, lambda v: v in values, required, formats)
 
 
 def _whole(low: int, high: int, required: bool = False, formats: tuple[str, ...] = FORMATS) -> _Key:
@@ -55,6 +56,8 @@ def _pair(value: list[Any]) -> bool:
 
 
 _B3 = ("3b",)
+_ISO = ("iso",)
+_READABLE = (*_B3, *_ISO)
 _TEXT = _Key(str, "text of one line", lambda v: v != "" and "\n" not in v, required=True)
 _BLANKS = _Key(str, "blanks or nothing", _blanks, formats=_B3)
 _WORD = _Key(
@@ -65,7 +68,10 @@ _WORD = _Key(
     formats=_B3,
 )
 _LINES = _Key(
-    list, "a list of lines that start with a semicolon or are rows of * or %", _lines, formats=_B3
+    list,
+    "a list of lines that start with a semicolon or are rows of * or %",
+    _lines,
+    formats=_READABLE,
 )
 _UM = 10**9  # a kilometre: larger than any table, and sums of it stay far inside 64 bits
 
@@ -83,7 +89,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "line_um": _whole(1, 999_999, True),
         "arc_um": _whole(1, 99_999_999, True),
         "memory_bytes": _whole(18, _UM, formats=_BINARY),
-        "blocks": _whole(1, _UM, formats=_B3),
+        "blocks": _whole(1, _UM, formats=_READABLE),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
     },
     "words": {"pause": _WORD, "stop": _WORD, "end": _WORD},
@@ -92,15 +98,27 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "between": _BLANKS,
         "width": _whole(1, 20, formats=_B3),
         "count_digits": _whole(1, 6, formats=_B3),
-        "number_width": _whole(0, 9, formats=_B3),
+        "number_width": _whole(0, 9, formats=_READABLE),
         "after_number": _Key(
             str, '"", " ", ":" or ": "', lambda v: bool(re.fullmatch(":?[ \t]*", v)), formats=_B3
         ),
         "header": _LINES,
         "footer": _LINES,
         "end_coordinates": _Key(bool, "true or false", lambda v: True, formats=_B3),
-        "eol": _Key(str, '"lf", "crlf" or "cr"', lambda v: v in _EOL, formats=_B3),
-        "encoding": _Key(str, " or ".join(_ENCODINGS), lambda v: v in _ENCODINGS, formats=_B3),
+        "eol": _Key(str, '"lf", "crlf" or "cr"', lambda v: v in _EOL, formats=_READABLE),
+        "encoding": _Key(
+            str, " or ".join(_ENCODINGS), lambda v: v in _ENCODINGS, formats=_READABLE
+        ),
+    },
+    "iso": {
+        "coordinates": _choice("incremental", "absolute", formats=_ISO),
+        "unit": _choice("um", "mm", formats=_ISO),
+        "integers": _choice("um", "mm", formats=_ISO),
+        "code_digits": _whole(1, 2, formats=_ISO),
+        "rapid": _Key(bool, "true or false", lambda v: True, formats=_ISO),
+        "sign": _choice("negative", "always", formats=_ISO),
+        "width": _whole(1, 12, formats=_ISO),
+        "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },
 }
 _TYPE_NAMES: dict[type, str] = {str: "text", int: "a whole number", bool: "true or false"}
@@ -254,6 +272,7 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
             limits=Limits(**limits),
             words=words,
             layout=Layout(**layout),
+            iso=Iso(**tables["iso"]),
         ),
         [],
     )

@@ -9,6 +9,7 @@ here has to be believed.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,7 +31,7 @@ class Rules:
         square: arcs count on the inscribed square, not on an axis.
         table: the line table of the other controller.
         count_um: largest J. line_um: largest component of a line.
-        words: bare control words are kept.
+        words: a pattern of the bare control words that are kept; empty for none.
         pairs: a line alone between two pauses would be read as a move.
         end: there is a record for the end of the file beside that for the end of cutting.
     """
@@ -39,7 +40,7 @@ class Rules:
     table: LineTable
     count_um: int
     line_um: int
-    words: bool
+    words: str
     pairs: bool
     end: bool
 
@@ -72,8 +73,10 @@ def carry(
     moving = kind <= Kind.MOVE
     kept = ~moving | (motion.steps > 0)
     words = dict(program.words)
-    if not rules.words:
-        lost = np.flatnonzero(kind == Kind.WORD)
+    lost = np.array(
+        [i for i, word in words.items() if not re.fullmatch(rules.words, word)], dtype=np.int64
+    )
+    if len(lost):
         for text in dict.fromkeys(words[i] for i in lost.tolist()):
             where = [i for i in lost.tolist() if words[i] == text]
             what = f"the control word '{text}' has no place in the other format"

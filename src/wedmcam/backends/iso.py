@@ -1,0 +1,155 @@
+"""Write ISO G-code in the layout of a profile: where each block ends, and the centres of arcs.
+
+The end of a block is where the controller's interpolator stops, so that a reader that steps to the
+stated end makes the same steps. What ISO cannot state (more than a turn in one record, a bare word
+that is no M word) is refused. Numbers are whole um until they are text: there is no -0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.backends.fit import Checks, ends, travel
+from wedmcam.controller import arc_end, run
+from wedmcam.diag import Diagnostic, Severity, warning
+from wedmcam.formats import b3, iso
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.machines import Iso, Machine
+
+
+def encode(
+    program: Program, machine: Machine, positions: NDArray[np.int64] | None = None
+) -> tuple[bytes, list[Diagnostic]]:
+    """Return the ISO file of a program, and what was found.
+
+    Args:
+        program: blocks as lowering or a decoder made them. `Kind.THREAD` becomes a pause.
+        machine: an ISO profile.
+        positions: where the machine stands after each block, drawing um, shape (blocks, 2). Left
+            out, the controller is run.
+
+    Returns:
+        The bytes, empty when there is an error. A stop is added where there is none.
+    """
+    checks = Checks(program)
+    blocks = program.blocks
+    kinds = blocks["kind"].copy()
+    motion = run(blocks, LineTable(machine.line_table))
+    arc = kinds == Kind.ARC
+    x, y = blocks["x"], blocks["y"]
+    end = arc_end(x, y, np.where(arc, blocks["turn"], 1), x + motion.dx, y + motion.dy)
+    err = Severity.ERROR
+    moving = kinds <= Kind.MOVE
+    checks.tell(err, "endless-block", motion.steps < 0, lambda i: "it never ends")
+    checks.tell(err, "zero-count", moving & (motion.steps == 0), lambda i: "it has no step")
+    checks.tell(
+        err,
+        "not-in-format",
+        arc & (end.steps != motion.steps),
+        lambda i: "more than a full circle; an ISO record states only where it ends",
+        "write it as several blocks",
+    )
+    names = dict(program.words)
+    mask = kinds == Kind.WORD
+    for i in np.flatnonzero(mask).tolist():
+        mask[i] = not iso.is_word(names[i])
+    checks.tell(
+        err,
+        "not-in-format",
+        mask,
+        lambda i: f"'{names[i]}' is no M word: it would not be read as a control word",
+    )
+    kinds[kinds == Kind.THREAD] = Kind.PAUSE
+    checks.tell(
+        err,
+        "lone-line",
+        b3.moves(kinds) & (kinds == Kind.LINE),
+        lambda i: "a single line between two pauses would be read as a move",
+        "write the line as two blocks",
+    )
+    if not checks.failed:
+        checks.found += travel(program, machine)
+    most = machine.limits.blocks
+    if most and len(blocks) > most:
+        text = (
+            f"{len(blocks)} records; {machine.name} holds {most}: {-(-len(blocks) // most)} loads"
+        )
+        checks.found.append(warning("over-memory", text))
+    if checks.failed:
+        return b"", checks.found
+    if positions is None:
+        positions = ends(program, machine)
+    rows = _rows(program, kinds, motion, positions, machine.iso, names)
+    layout = machine.layout
+    if layout.number_width:
+        sep = machine.iso.between
+        rows = [f"N{n:0{layout.number_width}d}{sep}{row}" for n, row in enumerate(rows, 1)]
+    text = "".join(row + layout.eol for row in rows)
+    frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
+    data = frame[0].encode(layout.encoding) + text.encode("ascii")
+    return data + frame[1].encode(layout.encoding), checks.found
+
+
+def _number(how: Iso, value: int) -> str:
+    """Return a length as the profile writes it.
+
+    >>> _number(Iso(unit="mm", sign="always"), -1500), _number(Iso(width=6), 12)
+    ('-1.500', '000012')
+    """
+    sign = "-" if value < 0 else "+" if how.sign == "always" else ""
+    size = abs(value)
+    if how.unit == "um":
+        return f"{sign}{size:0{max(how.width, 1)}d}"
+    return f"{sign}{f'{size // 1000}.{size % 1000:03d}':0>{max(how.width, 1)}}"
+
+
+def _rows(  # type: ignore[no-untyped-def]
+    program: Program,
+    kinds: NDArray[np.uint8],
+    motion,
+    positions: NDArray[np.int64],
+    how: Iso,
+    names: dict[int, str],
+) -> list[str]:
+    """Return the lines of a program, without numbers and line ends."""
+    blocks = program.blocks
+    sep = how.between
+    digits = how.code_digits
+    codes = {n: f"G{n:0{digits}d}" for n in (0, 1, 2, 3)}
+    pause, stop = f"M{0:0{digits}d}", f"M{2:0{digits}d}"
+    incremental = how.coordinates == "incremental"
+    px, py = (motion.dx, motion.dy) if incremental else (positions[:, 0], positions[:, 1])
+    ox, oy = program.origin
+    rows = [
+        sep.join(["G92", "X" + _number(how, int(ox)), "Y" + _number(how, int(oy))]),
+        "G91" if incremental else "G90",
+    ]
+    columns = zip(
+        kinds.tolist(),
+        blocks["turn"].tolist(),
+        px.tolist(),
+        py.tolist(),
+        (-blocks["x"]).tolist(),
+        (-blocks["y"]).tolist(),
+        strict=True,
+    )
+    ended = False
+    for i, (kind, turn, x, y, cx, cy) in enumerate(columns):
+        if kind == Kind.ARC:
+            words = [codes[3 if turn > 0 else 2], f"X{_number(how, x)}", f"Y{_number(how, y)}"]
+            words += [f"I{_number(how, cx)}", f"J{_number(how, cy)}"]
+            rows.append(sep.join(words))
+        elif kind <= Kind.MOVE:
+            code = codes[0 if kind == Kind.MOVE and how.rapid else 1]
+            rows.append(sep.join([code, f"X{_number(how, x)}", f"Y{_number(how, y)}"]))
+        elif kind == Kind.PAUSE:
+            rows.append(pause)
+        elif kind == Kind.WORD:
+            rows.append(names[i])
+        elif not ended:
+            rows.append(stop)
+            ended = True
+    if not ended:
+        rows.append(stop)
+    return rows

@@ -1,0 +1,544 @@
+"""Read ISO G-code: words in any spelling, modal or not, absolute or not, into stepped blocks.
+
+All lines are read at once: modes are filled forward, positions summed, and only what is wrong is
+looked at one by one. Positions are summed in nanometres and put on the grid afterwards, so that
+small increments add up. A word that is not understood is an error where it could change the path,
+else a warning; nothing is dropped in silence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.controller import arc_end
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
+from wedmcam.formats import b3, iso
+from wedmcam.formats.listing import in_order, listed
+from wedmcam.frontends.plain import Plain, TextSpans, plain
+from wedmcam.frontends.words import Words, words_of
+from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program
+from wedmcam.machines import Machine
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+
+#: Coordinates beyond this are an error, nm: a kilometre.
+_MOST_NM = 10**12
+_MODES = {90: "distance", 91: "distance", 20: "inch", 21: "inch", 70: "inch", 71: "inch"}
+
+
+class _Reader:
+    """Findings of one text, and its lines as columns."""
+
+    def __init__(self, data: bytes, machine: Machine, file: str) -> None:
+        self.plain: Plain = plain(data)
+        self.machine, self.file = machine, file
+        self.words: Words = words_of(self.plain.codes)
+        self.lines = len(self.words.line_start)
+        size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
+        self.spans = TextSpans(file, self.plain.codes, self.words.line_start, size)
+        self.found: list[tuple[int, Diagnostic]] = []
+        self.bad: Bools = np.zeros(self.lines, bool)
+
+    def tell_words(
+        self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None
+    ) -> None:
+        """Report words; the lines of errors are not read."""
+        w = self.words
+        where = np.flatnonzero(mask)
+        for i, d in listed(
+            severity,
+            code,
+            where,
+            lambda i: self.spans.at(int(w.start[i]), int(w.end[i] - w.start[i])),
+            lambda i: f"{self.plain.excerpt(int(w.start[i]), int(w.end[i]))}: {why}",
+            hint,
+        ):
+            self.found.append((int(w.start[i]), d))
+        if severity is Severity.ERROR:
+            self.bad[w.line[where]] = True
+
+    def tell_lines(
+        self,
+        severity: Severity,
+        code: str,
+        where: Ints,
+        message: Callable[[int], str],
+        hint: str | None = None,
+    ) -> None:
+        """Report lines, by index into ``where``."""
+        for i, d in listed(
+            severity,
+            code,
+            np.arange(len(where)),
+            lambda i: self.spans[int(where[i])],
+            message,
+            hint,
+        ):
+            self.found.append((int(self.words.line_start[where[i]]), d))
+        if severity is Severity.ERROR:
+            self.bad[where] = True
+
+
+def _filled(values: Ints, has: Bools, start: int) -> Ints:
+    """Return a mode for every line: the last one that was set."""
+    last = np.maximum.accumulate(np.where(has, np.arange(len(has)), -1))
+    return np.where(last >= 0, values[np.maximum(last, 0)], start)
+
+
+def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
+    """Return the program that an ISO file states, as its controller steps it.
+
+    Args:
+        data: any bytes; never raises.
+        machine: an ISO profile: what whole numbers are, and the line table.
+        file: name for the spans.
+
+    Returns:
+        A block a motion, with the micron or two that an arc is completed by as a line of its own;
+        M00 and M01 are pauses, M02 and M30 the stop, other M words are kept. A G01 alone between
+        two pauses is a move, like G00. ``spans[i]`` is the line.
+    """
+    r = _Reader(data, machine, file)
+    w = r.words
+    _tell_text(r)
+    g, m = w.letter == ord("G"), w.letter == ord("M")
+    whole = w.good & ~w.pointed & (w.whole >= 0)
+    err, warn = Severity.ERROR, Severity.WARNING
+    r.tell_words(err, "iso-word", ~w.good, "no number that can be read behind the letter")
+    r.tell_words(err, "iso-word", w.good & (g | m) & ~whole, "a code is a whole number")
+    g, m = g & whole, m & whole
+
+    modal: dict[str, tuple[Ints, Bools]] = {}
+    for name in ("motion", "distance", "inch", "comp", "g92"):
+        modal[name] = (np.zeros(r.lines, np.int64), np.zeros(r.lines, bool))
+
+    def set_mode(name: str, mask: Bools, values: Ints) -> None:
+        value, has = modal[name]
+        lines = w.line[mask]
+        twice = np.zeros(len(w.line), bool)
+        again = has[lines]
+        again[1:] |= lines[1:] == lines[:-1]
+        twice[np.flatnonzero(mask)[again]] = True
+        r.tell_words(err, "iso-word", twice, "a second code of the same kind in one line")
+        value[lines], has[lines] = values[mask], True
+
+    code = w.whole
+    set_mode("motion", g & (code <= 3), code)
+    set_mode("distance", g & ((code == 90) | (code == 91)), code)
+    inch = g & np.isin(code, (20, 21, 70, 71))
+    set_mode("inch", inch, (code % 50 == 20).astype(np.int64))
+    comp = g & (code >= 40) & (code <= 42)
+    set_mode("comp", comp, code)
+    set_mode("g92", g & (code == 92), code)
+    known = g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
+    idle = g & np.isin(code, iso.NOTHING_NEW)
+    r.tell_words(Severity.NOTE, "iso-ignored", idle, "a wire machine is in this mode anyway")
+    r.tell_words(
+        err,
+        "iso-code",
+        g & ~known & ~idle,
+        "a code that is not known here and may change the path",
+        "known are G00 to G03, G20, G21, G40, G70, G71, G90, G91, G92",
+    )
+    r.tell_words(
+        err,
+        "iso-compensation",
+        comp & (code != 40),
+        "the controller would offset the path itself, by a table that is not in the file",
+        "write the program with the offset computed (G40): no path can be proven without it",
+    )
+    axes = {k: _column(r, k) for k in "XYIJR"}
+    other = w.good & ~np.isin(w.letter, np.frombuffer(b"GMXYIJRN", np.uint8))
+    third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
+    r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
+    r.tell_words(
+        warn,
+        "iso-ignored",
+        other & ~third,
+        "not read: it changes no path in G40",
+        "feed, generator and offset tables are set at the machine",
+    )
+    distance = _filled(*modal["distance"], 91 if machine.iso.coordinates == "incremental" else 90)
+    motion = _filled(*modal["motion"], -1)
+    inches = _filled(*modal["inch"], 0)
+    reset = modal["g92"][1]
+    return _program(r, axes, distance, motion, inches, reset, m)
+
+
+def _tell_text(r: _Reader) -> None:
+    """Report comments, characters that are no words, and optional blocks."""
+    w = r.words
+    texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
+    for a, b in texts[:1]:
+        what = f"comment: {r.plain.excerpt(a, b)}"
+        r.found.append((a, note("text-skipped", what, r.spans.at(a, b - a), count=len(texts))))
+    if len(w.stray):
+        lines = np.unique(np.searchsorted(w.line_end, w.stray))
+        first = {
+            int(n): int(k) for k, n in zip(w.stray[::-1], lines_of(w, w.stray)[::-1], strict=True)
+        }
+        r.tell_lines(
+            Severity.ERROR,
+            "iso-word",
+            lines,
+            lambda i: (
+                f"{r.plain.excerpt(first[int(lines[i])], int(w.line_end[lines[i]]))}: "
+                "no letter in front of it"
+            ),
+        )
+    if len(w.skipped):
+        r.tell_lines(
+            Severity.WARNING,
+            "iso-skip",
+            w.skipped,
+            lambda i: "an optional block (/): read as if block skip were off",
+            "remove the slash, or the block",
+        )
+
+
+def lines_of(w: Words, at: Ints) -> Ints:
+    """Return the line of characters."""
+    return np.searchsorted(w.line_end, at)
+
+
+def _column(r: _Reader, letter: str) -> tuple[Ints, Bools, Bools, Ints]:
+    """Return for each line the digits of a word, whether it is there, pointed, its decimals."""
+    w = r.words
+    mask = (w.letter == ord(letter)) & w.good
+    lines = w.line[mask]
+    twice = np.zeros(len(w.line), bool)
+    twice[np.flatnonzero(mask)[1:][lines[1:] == lines[:-1]]] = True
+    r.tell_words(Severity.ERROR, "iso-word", twice, f"a second {letter} in one line")
+    value, decimals = np.zeros(r.lines, np.int64), np.zeros(r.lines, np.int64)
+    has, pointed = np.zeros(r.lines, bool), np.zeros(r.lines, bool)
+    # Nine decimals are a thousandth of a nanometre of an inch; further ones are rounded away.
+    over = np.maximum(w.decimals[mask] - 9, 0)
+    value[lines], has[lines] = (w.whole[mask] + 10**over // 2) // 10**over, True
+    pointed[lines], decimals[lines] = w.pointed[mask], w.decimals[mask] - over
+    return value, has, pointed, decimals
+
+
+def _lengths(
+    r: _Reader, axes: dict[str, tuple[Ints, Bools, Bools, Ints]], inches: Ints
+) -> dict[str, Ints]:
+    """Return the lengths of each letter in nm; 0 where there are none."""
+    um = r.machine.iso.integers == "um"
+    out = {}
+    bare = np.zeros(r.lines, bool)
+    some_pointed = False
+    for name, (value, has, pointed, decimals) in axes.items():
+        unit = np.where(inches == 1, iso.NM_OF_INCH, iso.NM_OF_MM)
+        unit = np.where(~pointed & (inches == 0) & um, 1000, unit)
+        exact = value.astype(np.float64) * unit / 10.0**decimals
+        large = np.abs(exact) > _MOST_NM
+        r.tell_lines(
+            Severity.ERROR,
+            "over-limit",
+            np.flatnonzero(large),
+            lambda i, name=name: f"{name} is larger than a kilometre",  # type: ignore[misc]
+        )
+        safe = np.where(large, 0, value)
+        # Exact in integers: 12 digits of inch do not fit, so whole and fraction apart.
+        scale = 10**decimals
+        q, rest = np.divmod(safe, scale)
+        nm = q * unit + (rest * unit + scale // 2) // scale
+        out[name] = np.where(large | ~has, 0, nm)
+        bare |= has & ~pointed & (value != 0)
+        some_pointed |= bool(np.any(has & pointed))
+    mixed = np.flatnonzero(bare & (inches == 1))
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-units",
+        mixed,
+        lambda i: "a whole number in inches: nobody knows what its last digit is",
+        "write inches with a point",
+    )
+    if some_pointed and bare.any() and um:
+        r.tell_lines(
+            Severity.WARNING,
+            "iso-units",
+            np.flatnonzero(bare & (inches == 0)),
+            lambda i: "whole numbers are read as um here, and others in this file have a point: mm",
+            'if they are mm, read the program with a profile of integers = "mm" (iso-mm)',
+        )
+    return out
+
+
+def _program(
+    r: _Reader,
+    axes: dict[str, tuple[Ints, Bools, Bools, Ints]],
+    distance: Ints,
+    motion: Ints,
+    inches: Ints,
+    reset: Bools,
+    m: Bools,
+) -> tuple[Program, list[Diagnostic]]:
+    w = r.words
+    nm = _lengths(r, axes, inches)
+    has = {k: axes[k][1] for k in axes}
+    curved = (motion >= 2) & ~reset
+    centred = has["I"] | has["J"]
+    moves = (has["X"] | has["Y"] | (curved & (centred | has["R"]))) & ~reset
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-code",
+        np.flatnonzero(moves & (motion < 0)),
+        lambda i: "coordinates before any G00, G01, G02 or G03",
+    )
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-arc",
+        np.flatnonzero((centred | has["R"]) & ~curved & ~reset),
+        lambda i: "a centre or a radius without G02 or G03",
+    )
+    ends_nm, starts_nm = {}, {}
+    for k in "XY":
+        absolute = (distance == 90) & has[k] & moves
+        sets = absolute | (reset & has[k])
+        step = np.where(moves & has[k] & (distance == 91), nm[k], 0)
+        summed = np.cumsum(step)
+        last = np.maximum.accumulate(np.where(sets, np.arange(r.lines), -1))
+        at = np.maximum(last, 0)
+        work = np.where(last >= 0, nm[k][at] + summed - summed[at], summed)
+        before = np.concatenate([[0], work[:-1]])
+        place = np.cumsum(np.where(reset, 0, work - before))
+        ends_nm[k], starts_nm[k] = place, np.concatenate([[0], place[:-1]])
+
+    # M words end at which line? What follows is not read.
+    m_rows = np.flatnonzero(m)
+    codes, m_lines = w.whole[m_rows], w.line[m_rows]
+    stop = m_rows[np.isin(codes, iso.ENDS)][:1]
+    stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
+    late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
+    if len(late):
+        what = f"{len(late)} blocks behind the end (M02) are not run"
+        r.found.append(
+            (
+                int(w.line_start[late[0]]),
+                warning("after-end", what, r.spans.at(int(w.line_start[late[0]]))),
+            )
+        )
+    rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
+    blocks, block_line = _blocks(r, rows, motion, nm, has, starts_nm, ends_nm)
+
+    unknown = np.zeros(len(w.letter), bool)
+    kinds = np.full(len(m_rows), int(Kind.WORD))
+    kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
+    kinds[np.isin(codes, iso.ENDS)] = Kind.STOP
+    unknown[m_rows[(kinds == Kind.WORD) & (m_lines <= stop_line)]] = True
+    r.tell_words(
+        Severity.WARNING,
+        "unknown-word",
+        unknown,
+        "an M word that is not known here; kept as a control record",
+    )
+    keep = m_lines <= stop_line
+    if len(stop):
+        keep &= m_rows <= stop[0]
+    controls = np.zeros(int(keep.sum()), BLOCK)
+    controls["kind"], controls["source"] = kinds[keep], -1
+    # A control word in a line with a motion comes after it, except that the order is the file's.
+    every = np.concatenate([blocks, controls])
+    key = np.concatenate([2 * block_line, 2 * m_lines[keep] + 1])
+    order = np.argsort(key, kind="stable")
+    every, line = every[order], np.concatenate([block_line, m_lines[keep]])[order]
+    names = np.concatenate([np.full(len(blocks), -1), codes[keep]])[order]
+    moved = b3.moves(every["kind"]) & (every["kind"] == Kind.LINE)
+    every["kind"][moved] = Kind.MOVE
+    words = tuple((int(i), f"M{names[i]:02d}") for i in np.flatnonzero(every["kind"] == Kind.WORD))
+    size = np.maximum(w.line_end[line] - w.line_start[line], 1).astype(np.int32)
+    spans = TextSpans(r.file, r.plain.codes, w.line_start[line], size)
+    if not len(rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
+        what = "no ISO record with a motion in this file"
+        r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
+    return Program(every, spans=spans, words=words), in_order(r.found)
+
+
+def _grid(nm: Ints) -> Ints:
+    return (nm + 500) // 1000
+
+
+def _blocks(
+    r: _Reader,
+    rows: Ints,
+    motion: Ints,
+    nm: dict[str, Ints],
+    has: dict[str, Bools],
+    starts_nm: dict[str, Ints],
+    ends_nm: dict[str, Ints],
+) -> tuple[NDArray[np.void], Ints]:
+    """Return the blocks of the motions in ``rows`` and the line of each."""
+    arcs = rows[motion[rows] >= 2]
+    sx, sy = _grid(starts_nm["X"][arcs]), _grid(starts_nm["Y"][arcs])
+    ex, ey = _grid(ends_nm["X"][arcs]), _grid(ends_nm["Y"][arcs])
+    turn = np.where(motion[arcs] == 3, 1, -1)
+    same_nm = (starts_nm["X"][arcs] == ends_nm["X"][arcs]) & (
+        starts_nm["Y"][arcs] == ends_nm["Y"][arcs]
+    )
+    by_radius = has["R"][arcs]
+    cx = _grid(starts_nm["X"][arcs] + nm["I"][arcs])
+    cy = _grid(starts_nm["Y"][arcs] + nm["J"][arcs])
+    both = by_radius & (has["I"] | has["J"])[arcs]
+    neither = ~by_radius & ~(has["I"] | has["J"])[arcs]
+    err = Severity.ERROR
+
+    def tell(mask: Bools, message: Callable[[int], str], hint: str | None = None) -> None:
+        where = np.flatnonzero(mask & ~r.bad[arcs])
+        r.tell_lines(err, "iso-arc", arcs[where], lambda i: message(int(where[i])), hint)
+
+    tell(both, lambda i: "both a centre (I, J) and a radius R")
+    tell(neither, lambda i: "an arc without a centre (I, J) or a radius R")
+    tell(
+        by_radius & same_nm, lambda i: "R with an end that is the start: the centre may be anywhere"
+    )
+    cx, cy = _centres(tell, by_radius & ~same_nm, sx, sy, ex, ey, turn, nm["R"][arcs], cx, cy)
+    x, y, fx, fy = sx - cx, sy - cy, ex - cx, ey - cy
+    radius, reach = np.hypot(x, y), np.hypot(fx, fy)
+    tell(
+        (radius < 1.5) & ~both & ~neither,
+        lambda i: "the centre is the start: the arc has no radius",
+    )
+    off = np.abs(reach - radius)
+    tell(
+        off > iso.END_UM,
+        lambda i: (
+            f"the end lies {off[i]:.1f} um from the circle: the start is {radius[i] / 1000:.3f} mm "
+            f"from the centre, the end {reach[i] / 1000:.3f} mm"
+        ),
+        "check I and J: from the start to the centre, signed",
+    )
+    good = ~r.bad[arcs]
+    arcs, turn, x, y, fx, fy = (v[good] for v in (arcs, turn, x, y, fx, fy))
+    same_nm = same_nm[good]
+    made, rest_x, rest_y = _stepped(r, arcs, turn, x, y, fx, fy, same_nm)
+
+    lines = rows[(motion[rows] < 2) & ~r.bad[rows]]
+    straight = np.zeros(len(lines), BLOCK)
+    straight["kind"] = np.where(motion[lines] == 0, int(Kind.MOVE), int(Kind.LINE))
+    for k, name in (("X", "x"), ("Y", "y")):
+        straight[name] = _grid(ends_nm[k][lines]) - _grid(starts_nm[k][lines])
+    rest = np.zeros(len(arcs), BLOCK)
+    rest["kind"], rest["x"], rest["y"] = Kind.LINE, rest_x, rest_y
+    table = LineTable(r.machine.line_table)
+    for part in (straight, rest):
+        part["axis"] = b3.line_axis(part["x"], part["y"], table)
+        part["count"] = np.maximum(abs(part["x"]), abs(part["y"]))
+    every = np.concatenate([straight, made, rest])
+    key = np.concatenate([2 * lines, 2 * arcs, 2 * arcs + 1])
+    every["source"] = -1
+    still = every["count"] == 0
+    nothing = np.flatnonzero(still[: len(lines)])
+    r.tell_lines(
+        Severity.NOTE, "iso-ignored", lines[nothing], lambda i: "a motion of length 0: no block"
+    )
+    order = np.argsort(key, kind="stable")
+    order = order[~still[order]]
+    return every[order], key[order] // 2
+
+
+def _centres(
+    tell: Callable[..., None],
+    which: Bools,
+    sx: Ints,
+    sy: Ints,
+    ex: Ints,
+    ey: Ints,
+    turn: Ints,
+    radius_nm: Ints,
+    cx: Ints,
+    cy: Ints,
+) -> tuple[Ints, Ints]:
+    """Return the centres, those of ``which`` from R: positive below half a turn, else above."""
+    if not which.any():
+        return cx, cy
+    radius = np.abs(radius_nm) / 1000.0
+    dx, dy = (ex - sx).astype(float), (ey - sy).astype(float)
+    chord = np.hypot(dx, dy)
+    tell(
+        which & (chord / 2 > radius + 1.0),
+        lambda i: f"R is {radius[i] / 1000:.3f} mm, half the chord {chord[i] / 2000:.3f} mm",
+    )
+    high = np.sqrt(np.maximum(radius**2 - chord**2 / 4, 0.0))
+    side = turn * np.where(radius_nm > 0, 1, -1)
+    safe = np.where(chord > 0, chord, 1.0)
+    mx = sx + dx / 2 - side * high * dy / safe
+    my = sy + dy / 2 + side * high * dx / safe
+    cx = np.where(which, np.floor(mx + 0.5).astype(np.int64), cx)
+    cy = np.where(which, np.floor(my + 0.5).astype(np.int64), cy)
+    return cx, cy
+
+
+def _stepped(
+    r: _Reader,
+    lines: Ints,
+    turn: Ints,
+    x: Ints,
+    y: Ints,
+    fx: Ints,
+    fy: Ints,
+    same_nm: Bools,
+) -> tuple[NDArray[np.void], Ints, Ints]:
+    """Return an arc a row (count 0 for none), and the straight rest to its stated end."""
+    made = np.zeros(len(x), BLOCK)
+    made["kind"], made["turn"], made["x"], made["y"] = Kind.ARC, turn, x, y
+    radius = np.hypot(x, y)
+    sweep = turn * (np.arctan2(fy, fx) - np.arctan2(y, x)) % (2 * np.pi)
+    tiny = sweep * radius < 4.0
+    here = (x == fx) & (y == fy)
+    # Start and end on one micron: a full circle if they were stated so, else next to nothing.
+    tiny = np.where(here, ~same_nm & (sweep < np.pi), tiny)
+    whole = here & ~tiny
+    end = arc_end(x, y, turn, fx, fy)
+    px, py = fx.copy(), fy.copy()
+    beside = np.flatnonzero(~end.landed & ~tiny & ~whole)
+    if len(beside):
+        scale = radius[beside] / np.maximum(np.hypot(fx[beside], fy[beside]), 1e-9)
+        nx = np.floor(fx[beside] * scale + 0.5).astype(np.int64)
+        ny = np.floor(fy[beside] * scale + 0.5).astype(np.int64)
+        best = np.full(len(beside), np.inf)
+        for i in (-1, 0, 1):
+            for j in (-1, 0, 1):
+                qx, qy = nx + i, ny + j
+                got = arc_end(x[beside], y[beside], turn[beside], qx, qy)
+                angle = (
+                    turn[beside]
+                    * (np.arctan2(qy, qx) - np.arctan2(y[beside], x[beside]))
+                    % (2 * np.pi)
+                )
+                far = np.hypot(qx - fx[beside], qy - fy[beside])
+                far = np.where(got.landed & (np.abs(angle - sweep[beside]) < np.pi), far, np.inf)
+                better = far < best
+                best = np.where(better, far, best)
+                px[beside] = np.where(better, qx, px[beside])
+                py[beside] = np.where(better, qy, py[beside])
+        end = arc_end(x, y, turn, px, py)
+        worst = float(best.max())
+        if np.isfinite(worst):
+            r.tell_lines(
+                Severity.NOTE,
+                "iso-end",
+                lines[beside],
+                lambda i: (
+                    f"the stepped circle passes {best[i]:.1f} um beside the stated end (at most "
+                    f"{worst:.1f} um in this file); the controller goes the rest straight"
+                ),
+            )
+    ok = end.landed & ~tiny
+    made["axis"] = np.where(ok, end.last_axis, int(Axis.X))
+    made["count"] = np.where(ok, np.where(end.last_axis == Axis.X, end.count_x, end.count_y), 0)
+    rest_x = fx - np.where(ok, px, x)
+    rest_y = fy - np.where(ok, py, y)
+    lost = np.flatnonzero(~ok & ~tiny)
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-arc",
+        lines[lost],
+        lambda i: "no controller steps this arc: its radius is too small or over 23 m",
+    )
+    rest_x[lost], rest_y[lost] = 0, 0
+    return made, rest_x, rest_y

@@ -1,0 +1,122 @@
+"""ISO words (a letter and a number) of a whole text at once, as columns.
+
+Blanks mean nothing between letter and number, so they go first; then a word is what stands from a
+letter to the next letter or line end. Comments are taken out before.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+_COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
+#: Digits of a number that are read; more do not fit 64 bits.
+DIGITS = 12
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Words:
+    """All words of a text, in order.
+
+    Attributes:
+        letter: ASCII code.
+        start, end: characters in the text; a number may hold blanks.
+        line: 0-based line of each.
+        whole: the digits as one number, signed.
+        decimals: digits behind the point.
+        pointed: whether it has a point.
+        good: whether the number can be read.
+        stray: characters that belong to no word, in the text.
+        comments: first and past the last character of each comment.
+        line_start, line_end: of every line.
+        skipped: lines that open with a slash.
+    """
+
+    letter: NDArray[np.uint8]
+    start: Ints
+    end: Ints
+    line: Ints
+    whole: Ints
+    decimals: Ints
+    pointed: Bools
+    good: Bools
+    stray: Ints
+    comments: list[tuple[int, int]]
+    line_start: Ints
+    line_end: Ints
+    skipped: Ints
+
+
+def words_of(codes: bytes) -> Words:
+    """Return the words of a text of ``frontends.plain``."""
+    comments: list[tuple[int, int]] = []
+    if b"(" in codes or b";" in codes:
+        comments = [m.span() for m in _COMMENT.finditer(codes)]
+        codes = _COMMENT.sub(lambda m: b" " * len(m[0]), codes)
+    every = np.frombuffer(codes, dtype=np.uint8)
+    ends = np.append(np.flatnonzero(every == 10), len(every))
+    at = np.flatnonzero(every != 32)
+    c = every[at]
+    capital = (c >= 65) & (c <= 90)
+    feed = c == 10
+    first = np.flatnonzero(capital)
+    edges = np.flatnonzero(capital | feed)
+    nth = np.searchsorted(edges, first, "right")
+    past = np.append(edges, len(c))[nth] if len(edges) else np.zeros(0, np.int64)
+    size = past - first - 1
+
+    whole, decimals, seen = (np.zeros(len(first), np.int64) for _ in range(3))
+    pointed, good = np.zeros(len(first), bool), size > 0
+    minus = np.zeros(len(first), bool)
+    padded = np.append(c, np.zeros(DIGITS + 4, np.uint8))
+    for k in range(min(int(size.max(initial=0)), DIGITS + 2)):
+        here = size > k
+        char = padded[first + 1 + k]
+        digit = here & (char >= 48) & (char <= 57)
+        point = here & (char == 46)
+        sign = here & ((char == 43) | (char == 45)) & (k == 0)
+        whole = np.where(digit, whole * 10 + (char.astype(np.int64) - 48), whole)
+        seen += digit
+        decimals += digit & pointed
+        good &= ~here | digit | sign | (point & ~pointed)
+        pointed |= point
+        minus |= sign & (char == 45)
+    good &= (seen > 0) & (size <= DIGITS + 2) & (seen <= DIGITS)
+
+    # What is before the first word of a line belongs to none: a slash, a percent sign, or rubbish.
+    owner = np.searchsorted(first, np.arange(len(c)), "right") - 1
+    line_of = np.searchsorted(ends, at)
+    loose = ~capital & ~feed
+    known = np.zeros(len(c), bool)
+    if len(first):
+        same = (owner >= 0) & (line_of[first[np.maximum(owner, 0)]] == line_of)
+        known = same
+    loose &= ~known
+    slash = loose & (c == 47)
+    opens = np.ones(len(c), bool)
+    opens[1:] = line_of[1:] != line_of[:-1]
+    skipped = line_of[slash & opens]
+    # A row of percent signs opens and ends files.
+    stray = at[loose & ~(slash & opens) & (c != 37)]
+    last = at[past - 1] if len(first) else np.zeros(0, np.int64)
+    return Words(
+        letter=c[first],
+        start=at[first],
+        end=last + 1,
+        line=line_of[first],
+        whole=np.where(minus, -whole, whole),
+        decimals=decimals,
+        pointed=pointed,
+        good=good,
+        stray=stray,
+        comments=comments,
+        line_start=np.concatenate([[0], ends[:-1] + 1]),
+        line_end=ends,
+        skipped=skipped,
+    )

@@ -1,0 +1,6 @@
+; 3:1 error[iso-compensation]
+G91
+G42 D1 G01 X1000 Y0
+G01 X1000 Y0
+M02
+; 3:5 warning[iso-ignored]

@@ -20,6 +20,7 @@ SHELL = {
     "comparison",
     "conversion",
     "entered",
+    "loads",
 }
 
 

@@ -106,7 +106,7 @@ def compile(
     stage = ""
     try:
         drawn = pipeline.read(data, name, options, run)
-        plan = pipeline.plan(drawn, options, run)
+        plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
         lowered = pipeline.lower(plan, machine, options, run)
         out = pipeline.encode(lowered, machine, run, plan, options)
         program, verdict = pipeline.prove(
@@ -362,7 +362,7 @@ def verify(
                 origin_mm = (x / 1000, y / 1000)
         if against is not None:
             drawn = pipeline.read(drawing, drawing_name, options, run)
-            plan = pipeline.plan(drawn, options, run)
+            plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
             decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm)
             if certificate is not None and _same(certificate, "output", data):
                 run.add("certificate", _check_figures(certificate, verdict, drawing))

@@ -30,9 +30,12 @@ if TYPE_CHECKING:
 WITHIN_UM = 1.0
 
 #: Targets that are no program format -> "module:function"; named and not imported.
-TARGETS: dict[str, str] = {"svg": "wedmcam.conversion:as_svg"}
+TARGETS: dict[str, str] = {
+    "svg": "wedmcam.conversion:as_svg",
+    "dxf": "wedmcam.backends.dxf:converted",
+}
 #: Endings of their names.
-SUFFIXES: dict[str, str] = {".svg": "svg"}
+SUFFIXES: dict[str, str] = {".svg": "svg", ".dxf": "dxf"}
 
 Target = Callable[[Program, Machine, str], tuple[bytes, list[Diagnostic]]]
 

@@ -54,6 +54,9 @@ class Options:
         reverse: clockwise instead of counter-clockwise.
         count: "exact", "textbook", or None for what the profile says.
         strict: warnings are errors.
+        cuts: only these contours of the program, first and last, 1-based; None for all.
+        from_block: only the rest of the program from this block on, 1-based; 0 for all of it.
+        backwards: the rest of the contour of ``from_block`` from its end back to that block.
         arithmetic: "decimal8", in which the ZD-065 computes, or "float64": in what formulas run.
     """
 
@@ -78,6 +81,9 @@ class Options:
     count: str | None = None
     strict: bool = False
     arithmetic: str = "decimal8"
+    cuts: tuple[int, int] | None = None
+    from_block: int = 0
+    backwards: bool = False
 
     def __post_init__(self) -> None:
         if self.units not in (None, "mm", "um", "inch"):
@@ -88,6 +94,10 @@ class Options:
             raise WrongUse(
                 f"no arithmetic is called '{self.arithmetic}': {' or '.join(ARITHMETICS)}"
             )
+        if self.cuts is not None and not 1 <= self.cuts[0] <= self.cuts[1]:
+            raise WrongUse("--cuts takes the first and the last contour, such as 2-5")
+        if self.backwards and not self.from_block:
+            raise WrongUse("--backwards goes with --from-block N: back to where that block starts")
         offset = self.offset_um or 0.0
         if offset < 0:
             raise WrongUse("--offset must not be negative: --side says on which side it is")
@@ -133,6 +143,9 @@ class Options:
             for name in ("layers", "ignore_layers", "transforms"):
                 if name in values:
                     values[name] = tuple(values[name])
+            if values.get("cuts") is not None:
+                first, last = values["cuts"]
+                values["cuts"] = (int(first), int(last))
             if "starts_um" in values:
                 values["starts_um"] = tuple((float(x), float(y)) for x, y in values["starts_um"])
             return cls(**values)

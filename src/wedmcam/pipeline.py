@@ -152,6 +152,73 @@ def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
     return Plan(tuple(cuts), tuple(contours), drawn.nesting.depths, side, options.offset_um or 0.0)
 
 
+def part_of(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
+    """Return the part of a plan that was asked for: some cuts, the rest from a block on, or all.
+
+    Raises:
+        WrongUse: there is no such cut or block, or nothing is left to cut behind it.
+    """
+    from wedmcam.transforms.rest import some
+
+    if options.cuts is not None:
+        if options.cuts[1] > len(made.cuts):
+            raise WrongUse(
+                f"the program has {len(made.cuts)} contours, there is no --cuts "
+                f"{options.cuts[0]}-{options.cuts[1]}"
+            )
+        made = some(made, *options.cuts)
+    return _rest(made, machine, options, run) if options.from_block else made
+
+
+def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
+    """Return what is left of a plan from a block of its program on."""
+    import numpy as np
+
+    from wedmcam.controller import run as stepped
+    from wedmcam.ir.program import Kind, Role
+    from wedmcam.source_map import block_ends, matched
+    from wedmcam.transforms.rest import rest
+
+    trial = Run()  # what is to be said of the whole program is not said of its rest
+    try:
+        lowered = lower(made, machine, options, trial)
+        data = encode(lowered, machine, trial, made, options)
+        program, _ = decode(data, machine, "program", options)
+    except Refused:
+        run.found += trial.found
+        raise
+    program = replace(program, origin=lowered.origin)
+    n = options.from_block
+    if n > len(program.blocks):
+        raise WrongUse(f"the program has {len(program.blocks)} blocks, there is no block {n}")
+    like = matched(lowered, program, machine)
+    cutting = np.flatnonzero((program.blocks["kind"] < Kind.MOVE) & (like >= 0))
+    cutting = cutting[cutting >= n - 1]
+    roles, cuts = lowered.blocks["role"], lowered.blocks["cut"]
+    left = cutting[(roles[like[cutting]] == Role.CONTOUR) | (roles[like[cutting]] == Role.LEAD_IN)]
+    if not len(left):
+        raise WrongUse(f"from block {n} on nothing is left to cut")
+    block = int(left[0])
+    cut = int(cuts[like[block]])
+    starts, _ = block_ends(program, machine)
+    at = (int(starts[block][0]), int(starts[block][1]))
+    if roles[like[block]] == Role.LEAD_IN or cut != int(cuts[like[cutting[0]]]):
+        # Nothing of this contour was cut.
+        if options.backwards:
+            raise WrongUse(f"block {n} begins a contour: leave --backwards out")
+        return replace(made, cuts=made.cuts[cut - 1 :], partial=True)
+    before = (lowered.blocks["cut"] == cut) & (roles == Role.CONTOUR)
+    before[int(like[block]) :] = False
+    motion = stepped(lowered.blocks, LineTable(machine.line_table))
+    share = np.hypot(motion.dx, motion.dy)  # chords: good enough to tell two passes apart
+    arc = lowered.blocks["kind"] == Kind.ARC
+    share[arc] = motion.steps[arc] * (np.pi / 4)  # a turn takes 8 R steps
+    found = rest(made, cut - 1, at, float(share[before].sum()), options.backwards)
+    if found is None:
+        raise WrongUse(f"block {n} of the program lies on no contour")
+    return found
+
+
 def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
     """Return the program in integers, format-neutral."""
     from wedmcam.transforms.lower import Target

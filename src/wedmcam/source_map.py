@@ -44,8 +44,8 @@ def source_map(
         machine: both are of this profile.
         summary: the certificate: names and fingerprints of input and output.
     """
-    starts, ends = _positions(program, machine)
-    like = _matched(lowered, program, machine)
+    starts, ends = block_ends(program, machine)
+    like = matched(lowered, program, machine)
     source = _lent(lowered)
     words = dict(program.words)
     said = [span_data(s) for s in lowered.sources]
@@ -125,13 +125,14 @@ def _lent(lowered: Program) -> Ints:
     return source
 
 
-def _positions(program: Program, machine: Machine) -> tuple[Ints, Ints]:
+def block_ends(program: Program, machine: Machine) -> tuple[Ints, Ints]:
+    """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
     motion = run_blocks(program.blocks, LineTable(machine.line_table))
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     return ends - np.column_stack([motion.dx, motion.dy]), ends
 
 
-def _matched(lowered: Program, program: Program, machine: Machine) -> Ints:
+def matched(lowered: Program, program: Program, machine: Machine) -> Ints:
     """Return the lowered block of each block of the file; -1 for control records."""
     low = np.flatnonzero(lowered.blocks["kind"] <= Kind.MOVE)
     here = np.flatnonzero(program.blocks["kind"] <= Kind.MOVE)
@@ -150,7 +151,7 @@ def _matched(lowered: Program, program: Program, machine: Machine) -> Ints:
 
 def _drawn(program: Program, machine: Machine, rows: Ints) -> seg.Segments:
     """Return the stepped blocks as segments, drawing um."""
-    starts, ends = (p[rows].astype(float) for p in _positions(program, machine))
+    starts, ends = (p[rows].astype(float) for p in block_ends(program, machine))
     b = program.blocks[rows]
     turn = b["turn"].astype(np.int8)
     cx, cy = starts[:, 0] - b["x"], starts[:, 1] - b["y"]

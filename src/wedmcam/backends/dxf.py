@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controller import run
+from wedmcam.diag import Diagnostic
 from wedmcam.ir.program import Kind, LineTable, Program
 from wedmcam.machines import Machine
 
@@ -42,6 +43,11 @@ def encode(program: Program, machine: Machine) -> bytes:
         return _written(program, machine)
     finally:
         options.write_fixed_meta_data_for_testing = before
+
+
+def converted(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
+    """Return the drawing of a decoded program called ``name``: a target of ``convert``."""
+    return encode(program, machine), []
 
 
 def _written(program: Program, machine: Machine) -> bytes:

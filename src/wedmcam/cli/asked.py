@@ -28,6 +28,16 @@ def _stack(*options: Callable[[F], F]) -> Callable[[F], F]:
     return apply
 
 
+def _range(_: click.Context, __: click.Parameter, value: str | None) -> tuple[int, int] | None:
+    """Return 2-5 as (2, 5), and 4 as (4, 4)."""
+    if value is None:
+        return None
+    first, dash, last = value.partition("-")
+    if not (first.isdecimal() and (last.isdecimal() if dash else True)):
+        raise click.BadParameter(f"'{value}' is no range of contours such as 2-5")
+    return int(first), int(last or first)
+
+
 drawing_options = _stack(
     click.option("--from", "from_", metavar="FORMAT", help="Format of the input: dxf."),
     click.option(
@@ -94,6 +104,22 @@ path_options = _stack(
     click.option("--overcut", "overcut_um", type=LENGTH, help="Cut so far past the start."),
     click.option("--order", type=click.Choice(["given", "inner-first", "nearest"])),
     click.option("--reverse/--no-reverse", help="Clockwise instead of counter-clockwise."),
+    click.option(
+        "--cuts",
+        metavar="A-B",
+        callback=_range,
+        help="Only contours A to B of the program, in its order.",
+    ),
+    click.option(
+        "--from-block",
+        type=click.IntRange(1),
+        metavar="N",
+        help="After a broken wire: only from block N of the program on, threaded there.",
+    ),
+    click.option(
+        "--backwards/--no-backwards",
+        help="With --from-block: the rest of its contour from the thread point back to there.",
+    ),
     click.option("--count", type=click.Choice(["exact", "textbook"]), help="How J is found."),
 )
 
@@ -158,6 +184,9 @@ def options_of(asked: dict[str, Any]) -> Options:
         count=asked["count"],
         arithmetic=asked["arithmetic"],
         strict=asked.get("strict", False),
+        cuts=asked["cuts"],
+        from_block=asked["from_block"] or 0,
+        backwards=asked["backwards"],
     )
 
 

@@ -51,6 +51,11 @@ def cli() -> None:
     "output's name.",
 )
 @ask.compile_options
+@click.option(
+    "--split",
+    is_flag=True,
+    help="Over the memory: several files NAME-1, NAME-2, ..., cut at thread points.",
+)
 @click.option("--certificate", metavar="FILE.json", help="Write the certificate there.")
 @click.option(
     "--plot", "plot_", metavar="FILE.svg|png|html", help="Draw the verified program there."
@@ -67,6 +72,7 @@ def compile_command(
     certificate: str | None,
     plot_: str | None,
     map_: str | None,
+    split: bool,
     **asked: Any,
 ) -> int:
     """Source to program: the main job.
@@ -88,6 +94,12 @@ def compile_command(
         raise click.UsageError("--json and the program cannot both be standard output")
     if plot_ is not None:
         _check_picture(plot_)
+    if split:
+        if drawn or output == "-":
+            raise click.UsageError("--split writes several programs: give -o NAME of a program")
+        from wedmcam.cli.split import compile_split
+
+        return compile_split(input_, machine, output, certificate, plot_, map_, feed, asked)
     made, apart = _compiled(input_, machine, output, asked)
     if not made.ok:
         if Path(output).exists() and output != "-":

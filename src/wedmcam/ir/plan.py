@@ -67,6 +67,8 @@ class Plan:
         depths: for each of ``outlines``, how many others enclose it.
         side: as asked for.
         offset_um: distance from the drawn outline to the wire's centre; 0 for ``on``.
+        partial: other programs cut what these cuts leave: outlines that no closed path of them
+            runs along need not be cut.
     """
 
     cuts: tuple[Cut, ...]
@@ -74,3 +76,4 @@ class Plan:
     depths: tuple[int, ...]
     side: Side
     offset_um: float
+    partial: bool = False

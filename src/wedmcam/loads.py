@@ -1,0 +1,124 @@
+"""Loads: a program that does not fit the controller's memory, as several that do (``--split``).
+
+Loads are cut at thread points only, where the wire is cut anyway, and each is compiled and proven
+as a program of its own, of those contours (``--cuts``). The table is moved in between as the
+program would have moved it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from wedmcam import api
+from wedmcam.api import Compilation, Source
+from wedmcam.formats import compact, gap, rotation
+from wedmcam.ir.program import Kind
+from wedmcam.machines import Machine
+from wedmcam.options import Options
+
+#: Bytes of a line and of an arc.
+SIZES = {
+    "compact": (compact.LINE_BYTES, compact.ARC_BYTES),
+    "rotation": (rotation.LINE_BYTES, rotation.ARC_BYTES),
+    "compensation": (compact.LINE_BYTES, gap.ARC_BYTES),
+}
+
+
+def compile_loads(
+    source: Source,
+    *,
+    profile: Machine,
+    name: str | None = None,
+    output_name: str = "",
+    options: Options,
+) -> tuple[Compilation, ...]:
+    """Compile a drawing into as few programs as fit the memory one by one.
+
+    Args:
+        source: a path, or the bytes of a drawing.
+        profile: the machine; its limits say how much fits.
+        name: of the source.
+        output_name: NAME.3b makes NAME-1.3b, NAME-2.3b, ... in findings and certificates.
+        options: as for `api.compile`.
+
+    Returns:
+        The loads in their order; the whole program where it fits, or where it failed. A contour
+        that does not fit alone is a load with the warning ``over-memory``.
+    """
+    whole = api.compile(
+        source, profile=profile, name=name, output_name=output_name, options=options
+    )
+    if not whole.ok or not _too_large(whole) or whole.plan is None or len(whole.plan.cuts) < 2:
+        return (whole,)
+    first = options.cuts[0] if options.cuts else 1
+    made: list[Compilation] = []
+    groups = _groups(whole)
+    while groups:
+        low, high = groups.pop(0)
+        asked = replace(options, cuts=(first + low, first + high), from_block=0, backwards=False)
+        load = api.compile(
+            source,
+            profile=profile,
+            name=name,
+            output_name=numbered(output_name, len(made) + 1),
+            options=asked,
+        )
+        if load.ok and _too_large(load) and high > low:
+            groups[:0] = [(low, high - 1), (high, high)]  # the sizes are estimates
+            continue
+        made.append(load)
+    return tuple(made)
+
+
+def numbered(name: str, number: int) -> str:
+    """Return the file name of a load.
+
+    >>> numbered("out/plate.3b", 2)
+    'out/plate-2.3b'
+    """
+    folder, slash, file = name.rpartition("/")
+    stem, dot, ending = file.rpartition(".")
+    return f"{folder}{slash}{stem}-{number}{dot}{ending}" if stem else f"{name}-{number}"
+
+
+def _too_large(made: Compilation) -> bool:
+    return any(d.code == "over-memory" for d in made.findings)
+
+
+def _groups(whole: Compilation) -> list[tuple[int, int]]:
+    """Return the cuts of each load, first and last, 0-based, by the sizes of their blocks."""
+    assert whole.plan is not None
+    assert whole.lowered is not None
+    limits = whole.machine.limits
+    b = whole.lowered.blocks
+    line, arc = SIZES.get(whole.machine.format, (1, 1))
+    most = limits.memory_bytes if whole.machine.format in SIZES else limits.blocks
+    size = np.where(b["kind"] == Kind.ARC, arc, line)
+    # Between two contours: a pause, the move and a pause; a pause where it stops.
+    each = np.bincount(b["cut"], size, len(whole.plan.cuts) + 1)[1:] + line + 3
+    out: list[tuple[int, int]] = []
+    filled = 0.0
+    for k, more in enumerate(each.tolist()):
+        if out and filled + more <= most:
+            out[-1] = (out[-1][0], k)
+            filled += more
+        else:
+            out.append((k, k))
+            filled = more
+    return out
+
+
+def moves(loads: tuple[Compilation, ...]) -> list[dict[str, Any]]:
+    """Return, for each load after the first, where it starts and how far the table moves to it."""
+    out = []
+    for before, load in pairwise(loads):
+        assert before.program is not None
+        assert load.program is not None
+        _, ends = api.positions(before.program, before.machine)
+        here, there = ends[-1], np.array(load.program.origin)
+        out.append({"start_um": there.tolist(), "move_um": (there - here).tolist()})
+    return out

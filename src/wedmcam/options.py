@@ -21,7 +21,7 @@ FORMAT_OF_SUFFIX = {
 }
 SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.items()}
 PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso")
-SOURCE_FORMATS = ("dxf",)
+SOURCE_FORMATS = ("dxf", "wed")
 ARITHMETICS = ("decimal8", "float64")
 
 
@@ -80,6 +80,8 @@ class Options:
     reverse: bool = False
     count: str | None = None
     strict: bool = False
+    source: str | None = None
+    defines: tuple[str, ...] = ()
     arithmetic: str = "decimal8"
     cuts: tuple[int, int] | None = None
     from_block: int = 0
@@ -140,7 +142,7 @@ class Options:
                 values["side"] = Side(values["side"])
             if "order" in values:
                 values["order"] = Order(values["order"])
-            for name in ("layers", "ignore_layers", "transforms"):
+            for name in ("layers", "ignore_layers", "transforms", "defines"):
                 if name in values:
                     values[name] = tuple(values[name])
             if values.get("cuts") is not None:

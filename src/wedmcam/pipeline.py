@@ -22,6 +22,7 @@ from wedmcam.options import Options, WrongUse
 if TYPE_CHECKING:
     from wedmcam.judge.verdict import Verdict
     from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.items import Worked
     from wedmcam.transforms.nest import Nesting
 
 T = TypeVar("T")
@@ -69,16 +70,24 @@ class Run:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawn:
-    """What was drawn: loose segments, and the contours they make."""
+    """What was drawn: loose segments, and the contours they make.
+
+    ``items``: the cuts of a part program with their figures; None for a drawing.
+    """
 
     sketch: Sketch
     contours: tuple[Contour, ...]
     report: ChainReport
     nesting: Nesting
+    items: tuple[Worked, ...] | None = None
 
 
 def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
-    """Return the contours of a drawing."""
+    """Return the contours of a drawing, or of a part program."""
+    if source_format(data, file, options) == "wed":
+        return _read_part(data, file, options, run)
+    if options.defines:
+        raise WrongUse("-D sets a let of a .wed program; this is a drawing")
     from wedmcam.frontends.dxf import DxfOptions
     from wedmcam.frontends.dxf import read as read_dxf
     from wedmcam.transforms.chain import chain
@@ -99,12 +108,41 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     return Drawn(sketch, contours, report, nest(contours))
 
 
-def _transformed(
-    sketch: Sketch, contours: tuple[Contour, ...], options: Options, run: Run
-) -> tuple[Sketch, tuple[Contour, ...]]:
-    """Return contours and thread points after ``--transform``; --start points stay (ruling 5)."""
+def source_format(data: bytes, file: str, options: Options) -> str:
+    """Return the format of a source: as asked for, else by its name, else by its content."""
+    from wedmcam.frontends.identify import is_part
+
+    if options.source is not None:
+        return options.source
+    name = file.lower()
+    if name.endswith((".wed", ".dxf")):
+        return name[-3:]
+    return "wed" if is_part(data) else "dxf"
+
+
+def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
+    """Return the figures that a part program cuts, each with what is asked of it."""
+    from wedmcam.frontends.wed import read as read_wed
+    from wedmcam.transforms import items
+    from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.nest import nest
+
+    part = run(
+        "read",
+        read_wed(data, file, arithmetic=options.arithmetic, defines=options.defines),
+    )
+    run.add("read", items.idle_options(part, options))
+    more = _transforms(options, run)
+    worked = run("transform", items.worked(part, more, arithmetic(options)))
+    sketch, contours = items.sketch_of(part, worked)
+    closed = sum(c.closed for c in contours)
+    report = ChainReport(closed, len(contours) - closed)
+    return Drawn(sketch, contours, report, nest(contours), worked)
+
+
+def _transforms(options: Options, run: Run) -> list[Any]:
+    """Return what ``--transform`` says, parsed."""
     from wedmcam.transforms import figures
-    from wedmcam.transforms.meetings import contour_meetings
 
     texts = options.transforms
     names = [
@@ -112,7 +150,17 @@ def _transformed(
     ]
     parsed = [figures.parse_transform(text, name) for text, name in zip(texts, names, strict=True)]
     run.add("transform", [d for _, found in parsed for d in found])
-    whole = figures.Sequence(tuple(t for t, _ in parsed if t is not None))
+    return [t for t, _ in parsed if t is not None]
+
+
+def _transformed(
+    sketch: Sketch, contours: tuple[Contour, ...], options: Options, run: Run
+) -> tuple[Sketch, tuple[Contour, ...]]:
+    """Return contours and thread points after ``--transform``; --start points stay (ruling 5)."""
+    from wedmcam.transforms import figures
+    from wedmcam.transforms.meetings import contour_meetings
+
+    whole = figures.Sequence(tuple(_transforms(options, run)))
     made = run(
         "transform", figures.transformed(contours, whole, arithmetic(options), sketch.thread_points)
     )
@@ -133,6 +181,10 @@ def arithmetic(options: Options) -> Arithmetic:
 
 def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
     """Return where the wire goes: sides, compensation, leads, order."""
+    if drawn.items is not None:
+        from wedmcam.transforms import items
+
+        return run("plan", items.plan(drawn.items, options, arithmetic(options)))
     from wedmcam.transforms import planning
     from wedmcam.transforms.merge import merge_arcs
 
@@ -250,6 +302,9 @@ def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Op
     more = processing(machine, options)
     if machine.format == "compensation":
         from wedmcam.transforms import zd065
+
+        if made.parts:
+            raise WrongUse("the compensation format has one gap for all: cuts here have their own")
 
         run.add("encode", zd065.corners(made))
         more["grown"] = zd065.grown(made, program)

@@ -39,7 +39,7 @@ def _range(_: click.Context, __: click.Parameter, value: str | None) -> tuple[in
 
 
 drawing_options = _stack(
-    click.option("--from", "from_", metavar="FORMAT", help="Format of the input: dxf."),
+    click.option("--from", "from_", metavar="FORMAT", help="Format of the input: dxf or wed."),
     click.option(
         "--units",
         type=click.Choice(["mm", "um", "inch"]),
@@ -63,6 +63,13 @@ drawing_options = _stack(
         multiple=True,
         metavar="TEXT",
         help="Such as 'rotate 10 copies 35 about (0, 0)'; repeat, in order.",
+    ),
+    click.option(
+        "-D",
+        "defines",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="Set a let of a .wed program from outside; repeat.",
     ),
     click.option(
         "--arithmetic",
@@ -170,6 +177,8 @@ def options_of(asked: dict[str, Any]) -> Options:
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
         transforms=asked["transforms"],
+        source=asked["from_"],
+        defines=asked["defines"],
         offset_um=offset,
         side=Side(asked["side"]) if asked["side"] else None,
         corner_um=asked["corner_um"] or 0.0,
@@ -235,6 +244,7 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
 #: Options of which the certificate says more than whether they were given.
 _ISSUED = {
     "sharp": ("convex", {True: "sharp"}),
+    "source": ("from_", None),
     "trim": ("on_interference", {True: "trim"}),
 }
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from wedmcam.options import Options
 
 #: Endings of files that a folder is searched for.
-SOURCES = (".dxf",)
+SOURCES = (".dxf", ".wed")
 
 
 @dataclass(frozen=True, slots=True)

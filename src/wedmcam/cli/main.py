@@ -165,7 +165,7 @@ def _compiled(
         made = api.compile(
             data, profile=machine, name=_name(input_), output_name=output, options=options
         )
-    say.say_findings(made.findings, _name(input_), asked["quiet"])
+    say.say_findings(made.findings, _name(input_), asked["quiet"], data)
     if not made.ok and asked["json_"] and output:
         say.say_json(made.summary)
     apart = {}

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.diag import Diagnostic, Severity
+from wedmcam.diag import Diagnostic, Severity, TextSpan
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation, Proof
@@ -24,9 +24,15 @@ def coloured() -> bool:
 
 
 def say_findings(
-    found: Iterable[Diagnostic], file: str = "", quiet: bool = False, text: str | None = None
+    found: Collection[Diagnostic],
+    file: str = "",
+    quiet: bool = False,
+    text: str | bytes | None = None,
 ) -> None:
     """Print findings; ``quiet`` leaves notes out. With ``text``, the lines that they point to."""
+    if isinstance(text, bytes):
+        lines = any(isinstance(d.span, TextSpan) for d in found)
+        text = text.decode("utf-8-sig", "replace") if lines else None
     from wedmcam.diag.render import merged, render
 
     for d in merged(found):

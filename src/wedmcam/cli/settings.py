@@ -459,7 +459,7 @@ def _format_of_program(params: Mapping[str, Any]) -> str | None:
     suffix = Path(name).suffix.lower()
     if suffix in FORMAT_OF_SUFFIX:
         return FORMAT_OF_SUFFIX[suffix]
-    if suffix == ".dxf" or not Path(name).is_file():
+    if suffix in (".dxf", ".wed") or not Path(name).is_file():
         return None if "program" not in params else "a program from standard input"
     from wedmcam.frontends.identify import identify
 

@@ -235,6 +235,52 @@ CODES: dict[str, Code] = {
         "A part cannot be kept inside or outside of an open line.",
         "Close the gap in the drawing, raise --join, or cut it with --side left, right or on.",
     ),
+    # --- part programs (.wed) ---------------------------------------------------------------
+    "wed-syntax": Code(
+        "A statement or a block of a part program that cannot be read, at the column named.",
+        "Nothing is guessed: another word would make another part.",
+        "Write it as the message says; docs/language.md has every form.",
+    ),
+    "wed-kind": Code(
+        "A number stands where a point or a figure is needed, or the reverse.",
+        "What it would mean is not known.",
+        "Points are (x, y); figures are named by contour, or by let with a pipeline.",
+    ),
+    "wed-value": Code(
+        "A value of a part program is out of range, or no number at all.",
+        "A root of a negative number or a thousand turns is a typing error.",
+        "Give what the message asks for.",
+    ),
+    "wed-contour": Code(
+        "A block of a contour that cannot be drawn from what is said of it.",
+        "An arc whose radius differs at its ends, or a fillet that does not fit, has no one path.",
+        "Correct the dimension; the message has the numbers.",
+    ),
+    "unknown-name": Code(
+        "A name that nothing has been given.",
+        "A misspelt dimension would be another one.",
+        "Take the name that is proposed, or give it with let before its use.",
+    ),
+    "name-taken": Code(
+        "A name is given twice, or is a word of the language.",
+        "Which of the two is meant would depend on the place.",
+        "Take another name.",
+    ),
+    "no-cut": Code(
+        "A part program that cuts nothing.",
+        "An empty program would look like success.",
+        "Add a line such as: cut NAME outside offset 0.1",
+    ),
+    "no-cut-offset": Code(
+        "A cut names a side and no offset.",
+        "The part would be too small or too large by half the kerf.",
+        "Add offset LENGTH to the cut, or give --offset for all cuts that say none.",
+    ),
+    "wed-option": Code(
+        "An option that is for drawings was given with a part program, which says it itself.",
+        "It has no effect: whoever gave it would expect another program.",
+        "Leave it out, or change the part program.",
+    ),
     # --- figure transforms -----------------------------------------------------------------
     "transform-syntax": Code(
         "A transform that cannot be read, at the column named.",

@@ -23,7 +23,7 @@ class Identification:
     """What a file seems to be.
 
     Attributes:
-        format: a key of ``frontends.DECODERS``, or ``dxf``, ``empty`` or ``unknown``.
+        format: a key of ``frontends.DECODERS``, ``dxf``, ``wed``, ``empty`` or ``unknown``.
         blocks: complete blocks found; control records of a text are not counted.
         last_address: address of the last byte that belongs to a block or is the end byte; of a text
             the last character of the last record; None where there is none.
@@ -53,6 +53,22 @@ def is_drawing(data: bytes) -> bool:
     return data.startswith(b"AutoCAD Binary DXF\r\n") or bool(_DXF.match(data))
 
 
+#: How a part program begins, behind comments.
+_PART = re.compile(
+    rb"(\xef\xbb\xbf)?(\s|#[^\n]*(\n|$))*"
+    rb'(part\s*"|units\s+(mm|um|inch)\b|let\s+\w+\s*=|contour\s+\w+\s*\{|cut\s+\w)'
+)
+
+
+def is_part(data: bytes) -> bool:
+    r"""Return whether data begin like a program of the part language.
+
+    >>> is_part(b"# a key\nlet w = 8.5"), is_part(b"B0B0B0GXL1")
+    (True, False)
+    """
+    return bool(_PART.match(data[:100_000]))
+
+
 def identify(data: bytes) -> Identification:
     """Return which format ``data`` has; never raises.
 
@@ -66,6 +82,8 @@ def identify(data: bytes) -> Identification:
         return Identification("empty", 0, None, None, True, f"empty: {size} bytes, all 0")
     if is_drawing(data):
         return Identification("dxf", 0, None, None, True, "DXF drawing")
+    if is_part(data):
+        return Identification("wed", 0, None, None, True, "program of the part language")
     records = find_records(plain(data).codes)
     if count := len(records.start):
         words = "record" if count == 1 else "records"

@@ -69,6 +69,11 @@ class Plan:
         offset_um: distance from the drawn outline to the wire's centre; 0 for ``on``.
         partial: other programs cut what these cuts leave: outlines that no closed path of them
             runs along need not be cut.
+        parts: where cuts have sides and offsets of their own: for each kind the cuts (of
+            ``cuts``), the outlines that they keep clear of, and their side and offset. Empty where
+            one side and offset hold for all; then those above are only what is told.
+        reached: numbers (from 0) of the outlines that ``cuts`` are to reach; None for all.
+        before: how many outlines of the whole plan come before those of this part.
     """
 
     cuts: tuple[Cut, ...]
@@ -77,3 +82,11 @@ class Plan:
     side: Side
     offset_um: float
     partial: bool = False
+    parts: tuple[Plan, ...] = ()
+    reached: tuple[int, ...] | None = None
+    before: int = 0
+
+    @property
+    def kinds(self) -> tuple[Plan, ...]:
+        """The plan itself, or its parts: each with one side and one offset."""
+        return self.parts or (self,)

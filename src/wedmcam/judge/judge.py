@@ -133,7 +133,9 @@ class _Case(NamedTuple):
         t = _follow(way, route, assigned)
         done = ~np.isnan(t.high)
         judged = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
-        kept = kept_material(self.plan, route, judged)
+        kinds = [(p, judged & _mine(p, self.plan, cuts)) for p in self.plan.kinds]
+        materials = [kept_material(p, route, mine) for p, mine in kinds]
+        kept = materials[0]
         role = _roles(route, t)
         lead = np.zeros(len(index), bool)
         lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)
@@ -163,10 +165,21 @@ class _Case(NamedTuple):
             findings.extend(found)
 
         gouge, uncut = None, None
-        if kept is not None:
-            gouge = self._gouge(findings, kept, route, judged, m, index[done])
-        if self.plan.side in ("part", "die"):
-            uncut = self._coverage(findings, route)
+        for (kind, own), material in zip(kinds, materials, strict=True):
+            if material is None:
+                continue
+            of = m
+            if material is not kept:
+                of = survey(
+                    *(way, index[done], t.low[done], t.high[done], lead[done], route, material),
+                    *(self.path_limit_um, self.gouge_limit_um),
+                )
+            deep = self._gouge(findings, material, route, own, of, index[done])
+            gouge = max(deep, gouge or 0.0)
+            left = self._coverage(findings, kind, route)
+            uncut = left if uncut is None or left is None else max(left, uncut)
+        if self.plan.side in ("left", "right", "on"):
+            gouge = None
 
         lengths = way.lengths()
         steps = way.steps[index]
@@ -482,15 +495,15 @@ class _Case(NamedTuple):
             )
         return depth
 
-    def _coverage(self, findings: list[Diagnostic], route: Route) -> float | None:
+    def _coverage(self, findings: list[Diagnostic], plan: Plan, route: Route) -> float | None:
         """Return uncut_um, and report pieces that are missing.
 
         Of a part of a program only the outlines that it cuts whole are asked for, and there is no
         uncut_um; that every path of it is run is proven all the same (`deviation`).
         """
-        c = coverage(self.plan, route)
+        c = coverage(plan, route)
         say = warning if self.trimmed else error
-        whole = {cut.number - 1 for cut in self.plan.cuts if cut.path.closed}
+        whole = {c.number - 1 - plan.before for c in self.plan.cuts if c.path.closed}
         for outline, share, x, y, um in c.missing:
             if self.plan.partial and outline not in whole:
                 continue
@@ -516,6 +529,14 @@ class _Case(NamedTuple):
                 )
             )
         return c.uncut_um
+
+
+def _mine(kind: Plan, whole: Plan, cuts: Sequence[Cut]) -> Bools:
+    """Return which of the cuts of a program are held against the material of a part of its plan."""
+    if kind is whole:
+        return np.ones(len(cuts), bool)
+    own = {c.number for c in kind.cuts}
+    return np.array([c.number in own for c in cuts], bool)
 
 
 def _slip(route: Route, t: Track, low: int, high: int, index: Ints) -> str:

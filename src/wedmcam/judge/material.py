@@ -256,6 +256,9 @@ def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
     even = np.array([d % 2 == 0 for d in depths])
     to_left = (area > 0) != (even == (plan.side is Side.PART))
     sign = np.where(to_left, 1.0, -1.0)[owner]
+    wanted = np.ones(len(outlines), bool)
+    if plan.reached is not None:
+        wanted = np.isin(np.array(which_outline), np.array(plan.reached, np.int64))[owner]
 
     reach = offset + 2.0 * tolerance + 1.0
     k, j = near_pairs(boxes(path, reach), boxes(outlines))
@@ -286,7 +289,7 @@ def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
         x, y = points_at(outlines, t)
         nx, ny = normals_at(outlines, t)
         wx, wy = x + nx * sign * offset, y + ny * sign * offset
-        off = np.flatnonzero(least(wx, wy) > tolerance)
+        off = np.flatnonzero(wanted & (least(wx, wy) > tolerance))
         if not len(off):
             continue
         room, _ = nearest(outlines, wx[off], wy[off], offset + 1.0)
@@ -313,7 +316,7 @@ def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
             more = float(d[0]) - offset
             missing.append((which_outline[c], share, float(x[here]), float(y[here]), more))
     skip = np.isin(np.arange(len(outlines)), np.flatnonzero(asked))
-    corner = np.where(skip | ~np.isfinite(start_far), -np.inf, start_far - offset)
+    corner = np.where(skip | ~wanted | ~np.isfinite(start_far), -np.inf, start_far - offset)
     b = int(np.argmax(corner))
     if corner[b] > max(uncut, 1e-3):
         uncut, uncut_at = float(corner[b]), (float(outlines.ax[b]), float(outlines.ay[b]))

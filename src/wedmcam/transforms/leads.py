@@ -7,7 +7,7 @@ of the longest segment, or the centre of a round hole.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +39,7 @@ class Lane:
         offset_um: distance between the two.
         contour: number of the outline; several paths may share one.
         parent: number of the outline directly around it, -1 for none.
+        lead_um: length of a lead that nobody stated; None for the usual one.
     """
 
     path: Contour
@@ -47,6 +48,7 @@ class Lane:
     offset_um: float
     contour: int = 0
     parent: int = -1
+    lead_um: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +60,10 @@ class Led:
 
 
 def lead(
-    lanes: Sequence[Lane], threads: Sequence[ThreadPoint], lead_um: float
+    lanes: Sequence[Lane],
+    threads: Sequence[ThreadPoint],
+    lead_um: float,
+    only: Sequence[Collection[int]] | None = None,
 ) -> tuple[list[Led] | None, list[Diagnostic]]:
     """Return every path with its lead.
 
@@ -70,15 +75,16 @@ def lead(
         lanes: closed or open paths, um.
         threads: thread points, um; the nearest whole um is used.
         lead_um: length of a lead that nobody stated.
+        only: for each thread point the numbers of the paths that it may serve; None for all.
     """
     found: list[Diagnostic] = []
     served: dict[int, tuple[int, int]] = {}
     spans: dict[int, Span | None] = {}
     scene = _Scene(lanes)
-    for point in threads:
+    for k, point in enumerate(threads):
         x, y = (int(v) for v in to_grid([point.x, point.y]))
         place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
-        number, problem = _serves(scene, x, y)
+        number, problem = _serves(scene, x, y, None if only is None else only[k])
         if number is None:
             found.append(
                 error(
@@ -153,7 +159,9 @@ class _Scene:
 # --- which path a thread point serves ------------------------------------------------------------
 
 
-def _serves(scene: _Scene, x: int, y: int) -> tuple[int | None, str]:
+def _serves(
+    scene: _Scene, x: int, y: int, only: Collection[int] | None = None
+) -> tuple[int | None, str]:
     """Return the number of the path that (x, y) serves, or None and why.
 
     Scrap lies inside one contour (the innermost around the point) and outside those directly in
@@ -178,6 +186,10 @@ def _serves(scene: _Scene, x: int, y: int) -> tuple[int | None, str]:
             lane.contour not in around and lane.parent == home and not scrap_inside and inside_home
         ):
             candidates.append(k)
+    if only is not None and candidates:
+        candidates = [k for k in candidates if k in only]
+        if not candidates:
+            return None, "it is not on the scrap side of its own contour"
     if not candidates:
         return None, "it lies in kept material"
     distances = scene.distances(float(x), float(y))
@@ -266,7 +278,7 @@ def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, 
         lane = scene.lanes[number]
         path = lane.path
         if not path.closed:
-            result[number] = _before_open(path, lead_um)
+            result[number] = _before_open(path, _length(lane, lead_um))
             continue
         s = scene.of(number)
         inward = measure.area(path.vertices) > 0
@@ -292,12 +304,17 @@ def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, 
         blocked = _blocked(scene, centred)
         result |= {k: led for k, led in centred.items() if k not in blocked}
     rays = [ray for ray in rays if ray[0] not in result]
-    free = _free(scene, rays, 2.0 * lead_um)
-    for (number, path, px, py, nx, ny), most in zip(rays, free, strict=True):
-        length = min(lead_um, 0.5 * most)
+    lengths = np.array([_length(scene.lanes[ray[0]], lead_um) for ray in rays])
+    free = _free(scene, rays, 2.0 * lengths)
+    for (number, path, px, py, nx, ny), most, own in zip(rays, free, lengths, strict=True):
+        length = min(float(own), 0.5 * float(most))
         x, y = to_grid([px + nx * length, py + ny * length]).tolist()
         result[number] = Led(path, (x, y))
     return result
+
+
+def _length(lane: Lane, usual: float) -> float:
+    return usual if lane.lead_um is None else lane.lead_um
 
 
 def _blocked(scene: _Scene, leads: dict[int, Led]) -> set[int]:
@@ -325,16 +342,16 @@ def _before_open(path: Contour, lead_um: float) -> Led:
 
 
 def _free(
-    scene: _Scene, rays: Sequence[tuple[int, Contour, float, float, float, float]], reach: float
+    scene: _Scene, rays: Sequence[tuple[int, Contour, float, float, float, float]], reach: Floats
 ) -> Floats:
-    """Return how far each ray runs until it meets a path, at most ``reach``."""
-    start = min(1.0, 0.01 * reach)  # the path that a ray leaves is not met
+    """Return how far each ray runs until it meets a path, at most its ``reach``."""
+    start = np.minimum(1.0, 0.01 * reach)  # the path that a ray leaves is not met
     x, y, nx, ny = (np.array([ray[k] for ray in rays], float) for k in (2, 3, 4, 5))
-    free = np.full(len(rays), reach)
-    if len(rays) and reach > 0:
+    free = reach.copy()
+    if len(rays) and (reach > 0).any():
         lines = _lines(x + nx * start, y + ny * start, x + nx * reach, y + ny * reach)
         i, _, at = scene.hits(lines)
-        np.minimum.at(free, i, at + start)
+        np.minimum.at(free, i, at + start[i])
     return free
 
 

@@ -98,7 +98,7 @@ def lanes(
         result, found = compensate(contours, shift, arithmetic=ar, sharp=options.sharp)
         if found:
             return None, found
-        found += _interference(contours, shift, result.interference, options)
+        found += interference(contours, shift, result.interference, options)
         if not result.paths:
             return None, found if has_errors(found) else [*found, _nothing_left(options)]
         left = side in (Side.LEFT, Side.RIGHT)
@@ -144,7 +144,7 @@ def _nothing_left(options: Options) -> Diagnostic:
     )
 
 
-def _interference(
+def interference(
     contours: Sequence[Contour],
     shifts: Sequence[float],
     places: Sequence[Interference],
@@ -200,7 +200,7 @@ def cuts(
     led, found = lead(made.lanes, threads, options.lead_um)
     if led is None:
         return None, found
-    parents = _parents(made.contour, nesting.parents)
+    parents = parents_of(made.contour, nesting.parents)
     first_drawn = [int(lane.outline.vertices["source"].min(initial=1 << 30)) for lane in made.lanes]
     how = options.order or Order.INNER_FIRST
     sequence = order(parents, [item.thread for item in led], first_drawn, how)
@@ -224,7 +224,7 @@ def cuts(
     return result, found
 
 
-def _parents(contour: Sequence[int], parents: Sequence[int]) -> list[int]:
+def parents_of(contour: Sequence[int], parents: Sequence[int]) -> list[int]:
     """Return for each path the first path of the contour around its own, -1 for none."""
     first: dict[int, int] = {}
     for k, c in enumerate(contour):

@@ -16,10 +16,7 @@ from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, warning
 from wedmcam.geom.measure import area
 from wedmcam.ir.contour import Contour
-from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.transforms.doubles import SAME_UM
-from wedmcam.transforms.figures.join import join_chains, without_repeats
-from wedmcam.transforms.figures.model import (
+from wedmcam.ir.figure import (
     MOST_COPIES,
     MOST_TURNS,
     Mirror,
@@ -31,6 +28,9 @@ from wedmcam.transforms.figures.model import (
     Translate,
     With,
 )
+from wedmcam.ir.sketch import ThreadPoint
+from wedmcam.transforms.doubles import SAME_UM
+from wedmcam.transforms.figures.join import join_chains, without_repeats
 from wedmcam.transforms.figures.motion import (
     MIRROR_45,
     MIRROR_135,
@@ -61,7 +61,7 @@ def transformed(
 
     Args:
         contours: the figure, um.
-        transform: see `figures.model`.
+        transform: see `ir.figure`.
         ar: the arithmetic of the formulas.
         threads: thread points that belong to the figure; they follow it.
 

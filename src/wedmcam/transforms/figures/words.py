@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from wedmcam.diag import Diagnostic, TextSpan, error
-from wedmcam.transforms.figures.model import (
+from wedmcam.ir.figure import (
     MOST_COPIES,
     MOST_TURNS,
     Mirror,

@@ -1,0 +1,8 @@
+"""The part language: ``read`` turns a ``.wed`` text into a `Part`, and says all that is wrong.
+
+``grammars/wed.lark`` is the grammar; docs/language.md is the reference.
+"""
+
+from wedmcam.frontends.wed.reader import parse_transform, read
+
+__all__ = ["parse_transform", "read"]

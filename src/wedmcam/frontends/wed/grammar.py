@@ -1,0 +1,187 @@
+"""The parser, made from ``grammars/wed.lark``: a piece of text in, its tree with places out.
+
+lark is imported here, when the first ``.wed`` is read. What it expected becomes a sentence; a word
+that is nearly one of those names it.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from wedmcam.diag import Diagnostic, error
+from wedmcam.frontends.wed.chunks import COMMANDS, STATEMENTS, Source
+
+ENTRIES = ("program", "statement", "heading", "command", "transforms", "expression")
+#: Parentheses, signs and powers of one piece: so that nesting stays shallow.
+MOST_NESTED = 100
+#: Tokens of one piece, about.
+MOST_LONG = 100_000
+_VALUE = {"NAME", "NUMBER", "LPAR", "ADD"}
+_SAID = {"NAME": "a name", "NUMBER": "a number", "TEXT": 'a text in "..."'}
+#: What may always go on after a value: not worth saying among what was expected.
+_GOES_ON = {"MUL", "ADD", "CIRCUMFLEX", "DOT", "LPAR", "VBAR"}
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A rule of the grammar and what it is made of.
+
+    Attributes:
+        kind: name of the rule, or of the terminal.
+        start: first character in the text.
+        end: behind the last one.
+        items: nodes.
+        text: of a terminal.
+    """
+
+    kind: str
+    start: int
+    end: int
+    items: tuple[Node, ...] = ()
+    text: str = ""
+
+
+def grammar_text() -> str:
+    """Return the grammar: installed beside the package, else as it lies in the repository."""
+    package = files("wedmcam")
+    installed = package.joinpath("grammars", "wed.lark")
+    if installed.is_file():
+        return installed.read_text("utf-8")
+    return (Path(str(package)).parents[1] / "grammars" / "wed.lark").read_text("utf-8")
+
+
+def _whole(terminal: Any) -> None:
+    """Make a word end where it ends: 'too' is not 'to' and something more."""
+    from lark.lexer import PatternRE
+
+    pattern = terminal.pattern
+    if re.fullmatch(r"(\(\?:)?[a-z]+(\|[a-z]+)*\)?", pattern.value):
+        terminal.pattern = PatternRE(rf"(?:{pattern.value})\b", pattern.flags)
+        terminal.priority = 1
+
+
+@cache
+def _parser() -> Any:
+    from lark import Lark
+
+    return Lark(
+        grammar_text(),
+        parser="lalr",
+        start=list(ENTRIES),
+        maybe_placeholders=False,
+        propagate_positions=True,
+        edit_terminals=_whole,
+    )
+
+
+def parsed(
+    source: Source, entry: str, start: int, end: int
+) -> tuple[Node | None, list[Diagnostic]]:
+    """Return the tree of characters ``start`` up to ``end``, or what is wrong with them."""
+    from lark.exceptions import UnexpectedInput
+
+    text = source.text[start:end]
+    if problem := _too_deep(source, text, start):
+        return None, [problem]
+    try:
+        tree = _parser().parse(text, start=entry)
+    except UnexpectedInput as why:
+        return None, [_expected(source, text, start, why, entry)]
+    return _node(tree, start, end), []
+
+
+def _node(tree: Any, start: int, end: int) -> Node:
+    """Return a tree as nodes; the whole of it is known to lie between ``start`` and ``end``."""
+    items = tuple(_inner(c, start) for c in tree.children)
+    return Node(str(tree.data), start, end, items)
+
+
+def _inner(tree: Any, offset: int) -> Node:
+    if not hasattr(tree, "children"):
+        at = offset + tree.start_pos
+        return Node(str(tree.type), at, at + len(tree), (), str(tree))
+    items = tuple(_inner(c, offset) for c in tree.children)
+    return Node(str(tree.data), offset + tree.meta.start_pos, offset + tree.meta.end_pos, items)
+
+
+def _too_deep(source: Source, text: str, start: int) -> Diagnostic | None:
+    """Return an error for what would nest too deep to be worked with."""
+    depth = 0
+    for count, m in enumerate(re.finditer(r"[(^]|with\b|[-+](?=\s*[-+])|\)", text)):
+        depth += -1 if m[0] == ")" else 1
+        if depth > MOST_NESTED or count > MOST_LONG:
+            span = source.span(start + m.start(), start + m.end())
+            return error("wed-syntax", "this is nested too deep to be read", span)
+    return None
+
+
+def _expected(source: Source, text: str, start: int, why: Any, entry: str) -> Diagnostic:
+    token = getattr(why, "token", None)
+    names = set(getattr(why, "accepts", None) or getattr(why, "expected", None) or ())
+    names |= set(getattr(why, "allowed", None) or ())
+    names -= {"$END"}
+    at = why.pos_in_stream
+    if token is None and at is not None and at < len(text):
+        word = text[at]
+        seen, length = f"'{word}' has no meaning here", 1
+    elif token is None or token.type == "$END":
+        at, word, length = len(text), "", 1
+        seen = "something is missing at the end of this"
+    else:
+        word, length = str(token), len(token)
+        shown = word if len(word) <= 40 else word[:37] + "..."
+        seen = f"'{shown}' has no meaning here"
+    if at >= len(text) and text:
+        at, length = len(text) - 1, 1
+    hint = None
+    known = _words(names)
+    if entry == "command":
+        known = known - set(STATEMENTS) | set(COMMANDS)
+    elif entry == "statement":
+        known |= set(STATEMENTS)
+    if word in ("mm", "um", "inch", "in", "deg"):
+        hint = "numbers stand alone: the unit is that of the program, angles are degrees"
+    elif word[:1].isalpha() and (near := difflib.get_close_matches(word.lower(), known, 1, 0.5)):
+        hint = f"did you mean '{near[0]}'?"
+    wanted = expectation(names, entry)
+    message = f"{seen}; expected is {wanted}" if wanted else seen
+    return error("wed-syntax", message, source.span(start + at, start + at + length), hint=hint)
+
+
+def _words(names: Iterable[str]) -> set[str]:
+    words: set[str] = set()
+    for t in _parser().terminals:
+        if t.name in names:
+            pattern = re.sub(r"\(\?:|\)|\\b", "", t.pattern.value)
+            words.update(w for w in pattern.split("|") if w.isalpha())
+    return words
+
+
+def expectation(names: set[str], entry: str = "") -> str:
+    """Return what would have been right, in words."""
+    names = set(names)
+    out = []
+    if names >= {"NUMBER", "LPAR"}:
+        names -= _VALUE
+        out.append("a number, a point or a name")
+    elif len(names) > len(names & _GOES_ON):
+        names -= _GOES_ON
+    words = _words(names)
+    if entry != "program" and not words >= set(STATEMENTS):
+        words -= {w for w in STATEMENTS if entry == "command"}
+    elif entry != "program":
+        words -= set(STATEMENTS) | set(COMMANDS)
+    out += [_SAID[n] for n in sorted(names) if n in _SAID]
+    out += [f"'{w}'" for w in sorted(words)]
+    for t in _parser().terminals:
+        if t.name in names and t.name not in _SAID and not re.search(r"[a-z]", t.pattern.value):
+            out.append(f"'{t.pattern.value.replace(chr(92), '')}'")
+    out = [o for o in out if o != "'}'"] if entry == "statement" else out
+    return " or ".join([", ".join(out[:-1]), out[-1]] if len(out) > 1 else out)

@@ -19,6 +19,7 @@ import bench_controller
 import bench_decimal8
 import bench_forgeries
 import bench_offsets
+import bench_read
 import bench_stages
 import bench_verify
 
@@ -63,7 +64,7 @@ def controller_lines(speed, steps):
         )
 
 
-def summary(speed, steps, stages, long, counts, arithmetic, decimals):
+def summary(speed, steps, stages, long, reading, counts, arithmetic, decimals):
     """Yield a table of what was to be reached, what was measured, and whether it was reached."""
     rows = []
 
@@ -91,6 +92,10 @@ def summary(speed, steps, stages, long, counts, arithmetic, decimals):
             row(f"{what}, {title}", "8 ns a step", f"{worst:.1f}", worst <= 8, " ns")
     row(f"`verify` of {long['blocks']} blocks of 3B, reading included", "10 s, 1 GB",
         f"{long['s']} s, {long['mb']} MB", long["s"] < 10 and long["mb"] < 1000)  # fmt: skip
+    for name, rate in reading.items():
+        least, target = bench_read.WANTED[name]
+        row(f"reading {name}, blocks a second", f"{least}, target {target}", f"{rate:.0f}",
+            rate >= least)  # fmt: skip
     for r in stages:
         share = r["judge_share"] / (1 - r["judge_share"])
         row(f"judge on top of a compile, {r['entities']} entities", "25 %, target 10 %",
@@ -128,6 +133,7 @@ def page(quick):
     arithmetic = bench_arithmetic.rows(200 if quick else 1000)
     stages = bench_stages.rows(1000 if quick else 100_000)
     long = bench_verify.measured(10_000 if quick else 1_000_000)
+    reading = bench_read.rates(20_000 if quick else 200_000)
     programs = list(bench_forgeries.forgeries.PROGRAMS)[: 1 if quick else None]
     counts, missed = bench_forgeries.rates(programs, 20)
     yield "# Benchmarks"
@@ -141,7 +147,7 @@ def page(quick):
     yield ""
     yield "## What was to be reached"
     yield ""
-    yield from summary(speed, steps, stages, long, counts, arithmetic, decimals)
+    yield from summary(speed, steps, stages, long, reading, counts, arithmetic, decimals)
     yield ""
     yield "## Start, and small parts"
     yield ""

@@ -21,6 +21,7 @@ SHELL = {
     "conversion",
     "entered",
     "loads",
+    "several",
 }
 
 

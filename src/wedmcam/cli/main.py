@@ -80,6 +80,13 @@ def compile_command(
     Nothing is written that was not decoded again, stepped on the controller and compared with the
     drawing.
     """
+    if to is not None and "," in to:
+        from wedmcam.cli.several import compile_several
+
+        if plot_ is not None:
+            _check_picture(plot_)
+        picture = None if plot_ is None else (plot_, _picture)
+        return compile_several(input_, output, to, certificate, map_, picture, **asked)
     feed = ask.feed_of(asked)
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
     drawn = to == "dxf" or (to is None and Path(output).suffix.lower() == ".dxf")

@@ -1,0 +1,153 @@
+"""One source, programs in several formats: each proven, and all of them the same path.
+
+Each format is compiled as if it were alone, but with limits that all of them share, so that arcs
+and long lines are parted at the same places. What was decoded from each is then stepped beside the
+first: either all of them are good or none is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wedmcam.conversion import WITHIN_UM
+from wedmcam.diag import Diagnostic, error
+from wedmcam.ir.program import LineTable
+from wedmcam.machines import Machine
+from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
+
+if TYPE_CHECKING:
+    from wedmcam.api import Compilation, Source
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Several:
+    """What came of it.
+
+    Attributes:
+        made: a compile for each format, in their order; the last one is where it stopped, if not
+            all are there.
+        apart_um: how far each path is from the first at most; empty unless all were made.
+        differs: an error for each that differs by more than 1 um.
+    """
+
+    made: tuple[Compilation, ...]
+    apart_um: tuple[float, ...]
+    differs: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether all were made and proven, and are the same path."""
+        return bool(self.apart_um) and not self.differs
+
+    @property
+    def status(self) -> int:
+        """The exit status: 0 done, 1 the input has errors, 3 a proof failed."""
+        return 0 if self.ok else 3 if self.differs else self.made[-1].status
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """What was found, once for all formats."""
+        every = [d for m in self.made for d in m.findings]
+        kept = {(d.code, d.message, str(d.span)): d for d in reversed(every)}
+        return (*reversed(kept.values()), *self.differs)
+
+
+def compile_several(
+    source: Source,
+    machines: Sequence[Machine],
+    *,
+    name: str | None = None,
+    output_names: Sequence[str] = (),
+    options: Options | None = None,
+) -> Several:
+    """Compile a drawing for several machines.
+
+    Args:
+        source: a path, or the bytes of a drawing.
+        machines: one for each program.
+        name: of the source.
+        output_names: of the programs, for their certificates.
+        options: the same for all.
+
+    Example::
+
+        from wedmcam.machines import default
+        both = compile_several("bracket.dxf", [default("3b"), default("compact")])
+    """
+    from wedmcam import api
+
+    made: list[Compilation] = []
+    names = list(output_names) or [""] * len(machines)
+    for machine, output in zip(shared(machines), names, strict=True):
+        one = api.compile(
+            source, profile=machine, name=name, output_name=output, options=options or Options()
+        )
+        made.append(one)
+        if not one.ok:
+            return Several(tuple(made), (), ())
+    return _compared(made)
+
+
+def shared(machines: Sequence[Machine]) -> list[Machine]:
+    """Return the machines with the smallest of their limits on a block."""
+    least = {
+        k: min(getattr(m.limits, k) for m in machines) for k in ("count_um", "line_um", "arc_um")
+    }
+    return [replace(m, limits=replace(m.limits, **least)) for m in machines]
+
+
+def _compared(made: list[Compilation]) -> Several:
+    from wedmcam.judge.difference import difference
+
+    apart, wrong = [], []
+    first = made[0]
+    assert first.program is not None
+    for other in made:
+        assert other.program is not None
+        tables = LineTable(first.machine.line_table), LineTable(other.machine.line_table)
+        found = difference(first.program, other.program, *tables, WITHIN_UM)
+        apart.append(found.largest_um)
+        if not found.equal:
+            x, y = found.at[0] / 1000, found.at[1] / 1000
+            wrong.append(
+                error(
+                    "conversion-differs",
+                    f"the {other.machine.format} program is not the path of the "
+                    f"{first.machine.format} program at ({x:.3f}, {y:.3f}) mm from the start: "
+                    f"{found.what}",
+                    hint="compile the formats one by one",
+                )
+            )
+    return Several(tuple(made), tuple(apart), tuple(wrong))
+
+
+def formats_of(to: str) -> list[str]:
+    """Return the formats of ``3b,compact``.
+
+    Raises:
+        WrongUse: an unknown one, or the same twice.
+    """
+    formats = [part.strip() for part in to.split(",")]
+    for format_ in formats:
+        if format_ not in SUFFIX_OF_FORMAT:
+            known = ", ".join(SUFFIX_OF_FORMAT)
+            raise WrongUse(f"no program format is called '{format_}': {known}")
+    if len(set(formats)) < len(formats):
+        raise WrongUse(f"--to {to} names a format twice")
+    return formats
+
+
+def names_of(output: str, formats: Sequence[str]) -> list[str]:
+    """Return the name of each program: ``output`` with the ending of its format.
+
+    An ending of a program format that is there already is replaced.
+
+    >>> names_of("plate", ["3b", "compact"]), names_of("out/plate.3b", ["3b", "compact"])
+    (['plate.3b', 'plate.zd'], ['out/plate.3b', 'out/plate.zd'])
+    """
+    suffix = Path(output).suffix
+    stem = output[: -len(suffix)] if suffix.lower() in FORMAT_OF_SUFFIX else output
+    return [stem + SUFFIX_OF_FORMAT[format_] for format_ in formats]

@@ -1,0 +1,105 @@
+"""``compile --to 3b,compact``: one source, several programs, one path; all of them or none."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from test_cli_programs import run, status
+
+from wedmcam import conversion
+from wedmcam.frontends import DECODERS
+from wedmcam.ir.program import Kind, LineTable
+from wedmcam.judge.difference import difference
+from wedmcam.machines import default
+from wedmcam.options import SUFFIX_OF_FORMAT
+from wedmcam.several import compile_several
+
+ROOT = Path(__file__).parents[2]
+SAMPLES = sorted((ROOT / "samples").glob("*.dxf"))
+#: Formats that hold the path itself. The other two make it of a figure, and are not always exact.
+FORMATS = [f for f in DECODERS if f not in ("rotation", "compensation")]
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda p: p.stem)
+def test_every_format_of_a_sample_is_the_same_path(sample):
+    options = {"offset": 0.1} | ({"units": "mm"} if sample.stem == "damaged" else {})
+    from wedmcam.api import options_in_mm
+
+    machines = [default(f) for f in FORMATS]
+    made = compile_several(sample, machines, options=options_in_mm(**options))
+    assert made.ok, made.findings
+    assert max(made.apart_um) <= 1.0
+    # ... and each is what `convert` makes of the first, or steps like it.
+    first = made.made[0]
+    for one in made.made[1:]:
+        again = conversion.convert(first.data, to=one.machine.format, format="3b")
+        assert again.ok
+        tables = [LineTable(m.line_table) for m in (one.machine, again.machine)]
+        assert difference(one.program, again.made, *tables).equal
+    cuts = {int((m.program.blocks["kind"] == Kind.MOVE).sum()) for m in made.made}
+    assert len(cuts) == 1
+
+
+def test_files_and_their_certificates(tmp_path):
+    out, certificate = tmp_path / "plate.3b", tmp_path / "plate.json"
+    result = run(
+        "compile", ROOT / "samples" / "plate.dxf", "-o", out, "--offset", "0.1",
+        "--to", "3b,compact", "--certificate", certificate, "--plot", tmp_path / "plate.svg",
+        "--map", tmp_path / "map.json", "--json",
+    )  # fmt: skip
+    assert status(result) == 0, result.stderr
+    assert {p.name for p in tmp_path.iterdir()} == {
+        "plate.3b", "plate.zd", "plate.3b.json", "plate.zd.json", "plate.svg", "map.3b.json",
+        "map.zd.json",
+    }  # fmt: skip
+    assert [row["format"] for row in json.loads(result.stdout)] == ["3b", "compact"]
+    assert "the same path in 2 formats" in result.stderr
+    for suffix in (".3b", ".zd"):
+        issued = tmp_path / f"plate{suffix}.json"
+        assert status(run("verify", tmp_path / f"plate{suffix}", "--certificate", issued)) == 0
+
+
+def test_all_or_none(tmp_path):
+    """The controller's gap wants tangent joints: the outline of the gear has corners."""
+    (tmp_path / "plate.3b").write_bytes(b"as it was")
+    result = run(
+        "compile", ROOT / "samples" / "gear-24.dxf", "-o", tmp_path / "plate", "--offset", "0.1",
+        "--to", "3b,compensation",
+    )  # fmt: skip
+    assert status(result) == 1
+    assert "not-tangent" in result.stderr
+    assert (tmp_path / "plate.3b").read_bytes() == b"as it was"
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_program_that_differs_is_refused(monkeypatch):
+    """Both proofs pass; that the two are one path is asked on its own."""
+    from wedmcam import several
+    from wedmcam.judge.difference import Difference
+
+    monkeypatch.setattr(several, "WITHIN_UM", 0.0)
+    made = compile_several(SAMPLES[1], [default("3b"), default("compact")])
+    assert isinstance(made.apart_um[0], float)
+    assert issubclass(Difference, tuple)
+    assert (made.ok, made.status) == (False, 3)
+    assert made.differs[0].code == "conversion-differs"
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--to", "3b,gerber"], "no program format is called 'gerber'"),
+        (["--to", "3b,3b"], "names a format twice"),
+        (["--to", "3b,compact", "--profile", "zd065-rotation"], "is for rotation, not for"),
+    ],
+)
+def test_wrong_use(more, said, tmp_path):
+    result = run("compile", SAMPLES[0], "-o", tmp_path / "a", "--offset", "0.1", *more)
+    assert status(result) == 2
+    assert said in str(result.exception) + result.stderr
+
+
+def test_suffixes_tell_formats():
+    assert set(SUFFIX_OF_FORMAT) == set(DECODERS)

@@ -226,6 +226,7 @@ def rules_of(machine: Machine) -> Any:
         words=(r"M\d{1,4}" if machine.format == "iso" else ".*") if text else "",
         pairs=text,
         end=machine.format in ("3b", "4b"),
+        turns=machine.format != "iso",
     )
 
 

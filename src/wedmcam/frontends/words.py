@@ -90,8 +90,8 @@ def words_of(codes: bytes) -> Words:
     good &= (seen > 0) & (size <= DIGITS + 2) & (seen <= DIGITS)
 
     # What is before the first word of a line belongs to none: a slash, a percent sign, or rubbish.
-    owner = np.searchsorted(first, np.arange(len(c)), "right") - 1
-    line_of = np.searchsorted(ends, at)
+    owner = np.cumsum(capital) - 1
+    line_of = np.cumsum(feed) - feed
     loose = ~capital & ~feed
     known = np.zeros(len(c), bool)
     if len(first):

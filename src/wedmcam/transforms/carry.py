@@ -33,6 +33,7 @@ class Rules:
         count_um: largest J. line_um: largest component of a line.
         words: a pattern of the bare control words that are kept; empty for none.
         pairs: a line alone between two pauses would be read as a move.
+        turns: a block may hold more than a turn.
         end: there is a record for the end of the file beside that for the end of cutting.
     """
 
@@ -43,6 +44,7 @@ class Rules:
     words: str
     pairs: bool
     end: bool
+    turns: bool = True
 
 
 def carry(
@@ -132,13 +134,18 @@ def _parts(
     kind = blocks["kind"].astype(np.int64)
     arc = kind == Kind.ARC
     straight = (kind == Kind.LINE) | (kind == Kind.MOVE)
-    # In how many pieces: a line by its longer side, an arc by its steps.
+    # In how many pieces: a line by its longer side, an arc by its steps, or by whole turns, after
+    # each of which it stands where it started.
     longest = np.maximum(abs(motion.dx), abs(motion.dy))
     pieces = np.where(kept, 1, 0)
     most = min(rules.line_um, rules.count_um)
     pieces = np.where(straight & kept, -(-longest // most), pieces)
     halves = -(-motion.steps // (2 * rules.count_um)) if rules.count_um else 1
     long = np.where(motion.steps > rules.count_um, halves * 2, 1)
+    whole = arc_end(blocks["x"], blocks["y"], np.where(arc, blocks["turn"], 1), blocks["x"],
+                    blocks["y"]).steps  # fmt: skip
+    rounds = np.where(arc & (not rules.turns), -(-motion.steps // np.maximum(whole, 1)), 1)
+    long = np.where(rounds > 1, rounds, long)
     pieces = np.where(arc & kept, long, pieces)
     pieces = np.where(kept & (straight | arc), np.maximum(pieces, 1), pieces)
     source = np.repeat(np.arange(len(blocks)), pieces)
@@ -146,6 +153,9 @@ def _parts(
     of = pieces[source]
     steps = motion.steps[source]
     low, high = steps * nth // of, steps * (nth + 1) // of
+    by_turn = (arc & (rounds > 1))[source]
+    low = np.where(by_turn, nth * whole[source], low)
+    high = np.where(by_turn, np.minimum((nth + 1) * whole[source], steps), high)
     part = blocks[source].copy()
     x0, y0 = position(part, low, table)
     x1, y1 = position(part, high, table)

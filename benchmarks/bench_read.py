@@ -1,7 +1,8 @@
 """Reading speed of program texts: 3B with a record a line and run together, and ISO G-code.
 
 The blocks are those of a golden program over and over; the whole reader is measured, findings and
-places included, in time of the processor. Run: python benchmarks/bench_read.py [--blocks 200000] [--json]
+places included, in time of the processor. Run: python benchmarks/bench_read.py [--blocks 200000]
+[--json]
 """
 
 import argparse

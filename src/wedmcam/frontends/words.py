@@ -61,7 +61,8 @@ def words_of(codes: bytes) -> Words:
         codes = _COMMENT.sub(lambda m: b" " * len(m[0]), codes)
     every = np.frombuffer(codes, dtype=np.uint8)
     ends = np.append(np.flatnonzero(every == 10), len(every))
-    at = np.flatnonzero(every != 32)
+    # Percent signs open and end tapes; they are no part of any word.
+    at = np.flatnonzero((every != 32) & (every != 37))
     c = every[at]
     capital = (c >= 65) & (c <= 90)
     feed = c == 10
@@ -89,7 +90,7 @@ def words_of(codes: bytes) -> Words:
         minus |= sign & (char == 45)
     good &= (seen > 0) & (size <= DIGITS + 2) & (seen <= DIGITS)
 
-    # What is before the first word of a line belongs to none: a slash, a percent sign, or rubbish.
+    # What is before the first word of a line belongs to none: a slash, or rubbish.
     owner = np.cumsum(capital) - 1
     line_of = np.cumsum(feed) - feed
     loose = ~capital & ~feed
@@ -102,8 +103,7 @@ def words_of(codes: bytes) -> Words:
     opens = np.ones(len(c), bool)
     opens[1:] = line_of[1:] != line_of[:-1]
     skipped = line_of[slash & opens]
-    # A row of percent signs opens and ends files.
-    stray = at[loose & ~(slash & opens) & (c != 37)]
+    stray = at[loose & ~(slash & opens)]
     last = at[past - 1] if len(first) else np.zeros(0, np.int64)
     return Words(
         letter=c[first],

@@ -196,7 +196,8 @@ def test_punch_and_die_of_one_outline():
 
 
 def test_cuts_in_their_order():
-    text = b"""contour a { circle center (0, 0) radius 20 } contour b { circle center (0, 0) radius 2 }
+    text = b"""contour a { circle center (0, 0) radius 20 }
+    contour b { circle center (0, 0) radius 2 }
     cut b inside offset 0.1 cut a outside offset 0.1"""
     made = wedmcam.compile(text)
     radii = [round(float(c.outline.vertices["x"][0])) for c in made.plan.cuts]
@@ -313,3 +314,25 @@ def test_a_changed_program_never_raises(data):
 def test_any_bytes(data):
     part, found = read(data, "a.wed")
     assert (part is None) == has_errors(found)
+
+
+def test_a_hole_that_crosses_its_outline_is_refused():
+    text = """
+    contour c { from (0, 0) line to (20, 0) line to (20, 10) line to (0, 10) close }
+    contour h { circle center (20, 5) radius 2 }
+    cut h inside offset 0.1
+    cut c outside offset 0.1"""
+    made = wedmcam.compile(text.encode(), name="a.wed")
+    assert not made.ok
+    assert {d.span.line for d in made.findings if d.severity == 2} & {2, 3}
+
+
+@pytest.mark.parametrize("arithmetic", ["decimal8", "float64"])
+def test_the_corner_of_a_reversal_is_rounded_where_the_way_back_lies(arithmetic):
+    """Of two places as near only one touches both; once the digits decided which was taken."""
+    text = """
+    contour c { from (0, 0) line to (8, 0) line to (8, 30) line to (-3, 30) line to (-3, 20)
+                arc tangent to (0, 20) close }
+    cut c outside offset 0.1 corner 0.2"""
+    made = wedmcam.compile(text.encode(), name="a.wed", arithmetic=arithmetic)
+    assert made.ok, made.findings

@@ -54,7 +54,11 @@ def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, li
     t0x, t0y = seg.start_tangents(s)
     cross = t1x * t0y[nxt] - t1y * t0x[nxt]
     dot = t1x * t0x[nxt] + t1y * t0y[nxt]
-    sharp = np.abs(np.arctan2(cross, dot)) > TANGENT
+    # A full reversal turns to where the way back lies: what bends tells.
+    bend = s.turn / np.where(s.turn != 0, s.radius, 1.0)
+    back = (dot < 0) & (np.abs(cross) < 1e-6)
+    cross = np.where(back, -(bend + bend[nxt]), cross)
+    sharp = (np.abs(np.arctan2(cross, dot)) > TANGENT) | back
     if not contour.closed:
         sharp[-1] = False
     i = np.flatnonzero(sharp)
@@ -103,14 +107,15 @@ class _Arcs:
 def _arcs(s: Segments, i: Ints, k: Ints, shift: Floats, ar: Arithmetic) -> _Arcs:
     """Return the arcs tangent to segments i and k, on the inner side of their corner.
 
-    The centre lies where the two, shifted by the radius, cross; of two crossings the one nearest to
-    the corner counts.
+    The centre lies where the two, shifted by the radius, cross.
     """
     x0, y0, x1, y1, cx, cy = np.zeros((6, len(i)))
     out = _Arcs(x0, y0, x1, y1, cx, cy, np.zeros(len(i), bool))
     before, after = s.take(i), s.take(k)
     one, two = Shifted(ar, before, shift), Shifted(ar, after, shift)
     left = [(m.turn == 0) | (m.radius > shift * m.turn) for m in (before, after)]
+    tangents = zip(seg.start_tangents(after), seg.end_tangents(before), strict=True)
+    into = [leaving - arriving for leaving, arriving in tangents]
     for first, second in ((False, False), (False, True), (True, False), (True, True)):
         m = np.flatnonzero(((before.turn != 0) == first) & ((after.turn != 0) == second))
         m = m[left[0][m] & left[1][m]]
@@ -119,10 +124,12 @@ def _arcs(s: Segments, i: Ints, k: Ints, shift: Floats, ar: Arithmetic) -> _Arcs
         near, far = formulas.meeting(
             ar, one.curves(m, first, False, "1"), two.curves(m, second, False, "0")
         )
-        away = [
-            np.hypot(ar.to_float(x) - before.x1[m], ar.to_float(y) - before.y1[m])
-            for x, y in (near, far)
-        ]
+        # On the side of the corner to which the path turns back, and there the nearest.
+        bx, by = into[0][m], into[1][m]
+        away = []
+        for x, y in (near, far):
+            px, py = ar.to_float(x) - before.x1[m], ar.to_float(y) - before.y1[m]
+            away.append(np.hypot(px, py) + np.where(px * bx + py * by < 0, 1e9, 0.0))
         nearer = away[0] <= away[1]
         centre = ar.where(nearer, near[0], far[0]), ar.where(nearer, near[1], far[1])
         for (x, y), at in (

@@ -33,6 +33,9 @@ from wedmcam.transforms.merge import merge_arcs
 from wedmcam.transforms.nest import Nesting, nest
 from wedmcam.transforms.order import order
 
+#: Boxes that are as equal as this are the boxes of one outline, um.
+EQUAL_UM = 2.0
+
 #: Sides that are held against kept material.
 SIDED = (Side.PART, Side.DIE)
 
@@ -239,7 +242,9 @@ def _scenes(pieces: Sequence[_Piece]) -> tuple[list[list[_Piece]], list[Diagnost
     alone = [[p] for p in pieces if p.outside is None]
     if not sided:
         return alone, []
-    found: list[Diagnostic] = []
+    found: list[Diagnostic] = list(contour_meetings(_once(sided)))
+    if has_errors(found):
+        return [], found
     if _one_part(sided):
         return [sided, *alone], []
     scenes: list[list[_Piece]] = []
@@ -256,6 +261,17 @@ def _scenes(pieces: Sequence[_Piece]) -> tuple[list[list[_Piece]], list[Diagnost
         else:
             scenes.append(own)
     return [*scenes, *alone], found
+
+
+def _once(pieces: Sequence[_Piece]) -> list[Contour]:
+    """Return the contours, of equal ones (a punch and its die) the first: others must not cross."""
+    contours = [p.contour for p in pieces]
+    boxes = np.array([measure.extents(c.vertices, c.closed) for c in contours])
+    return [
+        c
+        for k, c in enumerate(contours)
+        if not k or np.abs(boxes[:k] - boxes[k]).max(axis=1).min() >= EQUAL_UM
+    ]
 
 
 def _one_part(pieces: Sequence[_Piece]) -> bool:

@@ -91,6 +91,7 @@ def test_a_program_that_differs_is_refused(monkeypatch):
     ("more", "said"),
     [
         (["--to", "3b,gerber"], "no program format is called 'gerber'"),
+        (["--to", "3b,compact", "--split"], "--split takes one format"),
         (["--to", "3b,3b"], "names a format twice"),
         (["--to", "3b,compact", "--profile", "zd065-rotation"], "is for rotation, not for"),
     ],

@@ -48,7 +48,7 @@ def cli() -> None:
     "--to",
     metavar="FORMAT",
     help="3b, compact, rotation, compensation, iso, or dxf (the stepped path); by default from the "
-    "output's name.",
+    "output's name. Several (3b,iso): NAME with the ending of each.",
 )
 @ask.compile_options
 @click.option(
@@ -83,6 +83,8 @@ def compile_command(
     if to is not None and "," in to:
         from wedmcam.cli.several import compile_several
 
+        if split:
+            raise click.UsageError("--split takes one format: formats part at other places")
         if plot_ is not None:
             _check_picture(plot_)
         picture = None if plot_ is None else (plot_, _picture)

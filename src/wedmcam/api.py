@@ -647,6 +647,9 @@ def with_images(proof: Proof, drawing: bytes, name: str, options: Options) -> Pr
     from wedmcam.judge.certificate import finding_data
     from wedmcam.metamorphic import metamorphic
 
+    if pipeline.source_format(drawing, name, options) == "wed":
+        raise WrongUse("--metamorphic compiles images of drawings; a .wed says sides by name")
+
     images, found = metamorphic(drawing, name, proof.machine, options)
     said = {(d.code, d.message) for d in proof.findings}
     new = [d for d in found if (d.code, d.message) not in said]

@@ -61,6 +61,25 @@ def test_golden_layouts(name, update_golden):
     judge(HERE / name, made.data, update_golden)
 
 
+PARTS = sorted(p.stem for p in SAMPLES.glob("*.wed"))
+
+
+@pytest.mark.parametrize(
+    ("name", "ending", "defines"),
+    [(name, ".3b", ()) for name in PARTS]
+    + [("washer", ".m8.3b", ("bore=8.4", "size=16")), ("gear", ".zd", ())],
+)
+def test_golden_parts(name, ending, defines, update_golden):
+    data = (SAMPLES / f"{name}.wed").read_bytes()
+    to = "compact" if ending == ".zd" else "3b"
+    made = api.compile(data, to=to, name=f"{name}.wed", defines=defines)
+    assert made.ok, [d.message for d in made.findings]
+    assert made.verdict.max_deviation_um <= 2.0
+    assert (made.verdict.gouge_um or 0.0) <= 1.6
+    assert made.verdict.closure_um == 0
+    judge(HERE / f"{name}.wed{ending}", made.data, update_golden)
+
+
 def judge(path, data, update):
     if update:
         path.write_bytes(data)

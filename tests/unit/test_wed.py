@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -270,7 +273,7 @@ def test_a_gap_is_measured():
 
 
 TOKENS = st.sampled_from(
-    [w for w in __import__("re").findall(r'"([^"\n]+)"', grammar_text()) if w.strip()]
+    [w for w in re.findall(r'"([^"\n]+)"', grammar_text()) if w.strip()]
     + [
         "1",
         "0.5",
@@ -336,3 +339,27 @@ def test_the_corner_of_a_reversal_is_rounded_where_the_way_back_lies(arithmetic)
     cut c outside offset 0.1 corner 0.2"""
     made = wedmcam.compile(text.encode(), name="a.wed", arithmetic=arithmetic)
     assert made.ok, made.findings
+
+
+DOCS = Path(__file__).parents[2] / "docs"
+EXAMPLES = [
+    pytest.param(text, id=f"{name}-{k}")
+    for name in ("language", "tutorial")
+    for k, text in enumerate(
+        re.findall(r"```wed\n(.*?)```", (DOCS / f"{name}.md").read_text("utf-8"), re.DOTALL)
+    )
+]
+
+
+@pytest.mark.parametrize("text", EXAMPLES)
+def test_examples_of_the_documentation_compile(text):
+    made = wedmcam.compile(text.encode(), name="example.wed")
+    assert made.ok, [d.message for d in made.findings]
+
+
+def test_the_reference_has_every_word_of_the_grammar():
+    reference = (DOCS / "language.md").read_text("utf-8")
+    grammar = re.sub(r"//[^\n]*", "", grammar_text())
+    words = set(re.findall(r'"([a-z]+)"', grammar))
+    assert len(words) > 35
+    assert not [w for w in words if not re.search(rf"\b{w}\b", reference)]

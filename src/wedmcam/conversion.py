@@ -115,7 +115,7 @@ def convert(
 
     >>> made = convert(b"B17000B5000B17000GXL1 DD", to="compact")
     >>> made.data.hex(" ")
-    '01 017000 005000 00'
+    '01 01 70 00 00 50 00 00'
     """
     from wedmcam import api
 

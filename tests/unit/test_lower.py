@@ -5,6 +5,7 @@ import pytest
 
 import parts
 from wedmcam.controller import arc_end, run
+from wedmcam.diag import TextSpan
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.plan import Cut, Plan, Side
 from wedmcam.ir.program import Axis, Kind, LineTable, Role
@@ -159,6 +160,26 @@ def test_control_records():
     kinds = [Kind(k).name for k in made(same_place)[0].blocks["kind"]]
     assert kinds.count("PAUSE") == 1
     assert "MOVE" not in kinds
+
+
+def test_sources_that_contours_share_are_listed_once():
+    said = tuple(TextSpan("part.wed", line, 1) for line in range(1, 5))
+    other = (TextSpan("part.wed", 9, 1),)
+    v = vertices([(0, 0, 500, 0, 1, 0)])
+    paths = []
+    for k, sources in enumerate((said, said, other, said)):
+        row = v.copy()
+        row["x"] += 2000 * k
+        row["cx"] += 2000 * k
+        row["source"] = k if sources is said else 0
+        paths.append(Contour(row, True, sources))
+    program, _ = made(plan_of(*paths))
+    assert program.sources == said + other
+    cutting = program.blocks[program.blocks["kind"] == Kind.ARC]
+    for number, path in enumerate(paths, 1):
+        rows = cutting["source"][cutting["cut"] == number]
+        assert len(rows)
+        assert {program.sources[r] for r in rows} == {path.source_of(0)}
 
 
 def test_a_move_over_the_limit_is_refused():

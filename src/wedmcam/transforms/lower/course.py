@@ -41,6 +41,8 @@ class Course:
     y: list[float] = field(default_factory=list)
     pinned: list[bool] = field(default_factory=list)
     sources: list[Span] = field(default_factory=list)
+    #: Where each list of sources begins, by its identity: contours of one drawing share theirs.
+    begins: dict[int, int] = field(default_factory=dict)
     #: (group, cut index) of each cut's groups, in order: what stands between two D.
     cut_groups: list[list[int]] = field(default_factory=list)
 
@@ -50,6 +52,13 @@ class Course:
         self.y.append(float(y))
         self.pinned.append(pinned)
         return len(self.x) - 1
+
+    def cite(self, sources: tuple[Span, ...]) -> int:
+        """Return where these sources begin in ``sources``; what is there is not added again."""
+        if id(sources) not in self.begins:
+            self.begins[id(sources)] = len(self.sources)
+            self.sources += sources
+        return self.begins[id(sources)]
 
     def extend(self, rows: Rows, group: int, cut: int, keeps: int) -> None:
         """Append segments."""
@@ -117,8 +126,7 @@ def lay_out(plan: Plan) -> Course:
 
 
 def _lay_cut(course: Course, cut: Cut, index: int) -> None:
-    base = len(course.sources)
-    course.sources += cut.path.sources
+    base = course.cite(cut.path.sources)
     keeps = 0 if cut.keeps_left is None else (1 if cut.keeps_left else -1)
     path, stop_at, over_at = _path_rows(course, cut, base)
     thread = course.vertex(*cut.thread, pinned=True)

@@ -66,3 +66,11 @@ def test_files_are_numbered_and_each_can_be_verified(tmp_path: Path) -> None:
     assert run(cli, wide).exit_code == 0
     assert out.exists()
     assert run(cli, [*wide[:3], "-", *wide[4:], "--to", "3b"]).exit_code == 2
+
+
+def test_what_from_block_leaves_is_not_split(tmp_path):
+    drawing = Path(__file__).parents[2] / "samples" / "plate.dxf"
+    line = ["compile", str(drawing), "-o", str(tmp_path / "a.3b"), "--offset", "0.1"]
+    done = CliRunner().invoke(cli, [*line, "--split", "--from-block", "9"])
+    assert done.exit_code == 2
+    assert "--from-block" in done.output

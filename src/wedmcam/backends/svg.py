@@ -220,8 +220,15 @@ def plot(
     part: Box | None = None
     if plan is not None and plan.outlines:
         part = union(_of_contour(c).box() for c in plan.outlines)
-        kept = plan.side if plan.side in (Side.PART, Side.DIE) else None
-        legend += _part(sheet, plan.outlines, kept, box)
+        sides = {p.side for p in plan.kinds}
+        if sides >= {Side.PART, Side.DIE}:  # around a die all is kept, punches and all: not hatched
+            held = [c for p in plan.kinds if p.side is Side.PART for c in p.outlines]
+            legend += _part(sheet, held, Side.PART, box)
+            more = _part(sheet, [c for c in plan.outlines if c not in held], None, box)
+            legend += [entry for entry in more if entry[1] not in [told for _, told in legend]]
+        else:
+            kept = plan.side if plan.side in (Side.PART, Side.DIE) else None
+            legend += _part(sheet, plan.outlines, kept, box)
     wire = _Wire(program, segments, _cut_numbers(blocks))
     legend += wire.draw(sheet, 2 * plan.offset_um if plan is not None and kerf else 0.0)
     if part is None and len(wire.cutting):

@@ -106,6 +106,8 @@ def compile_command(
     if split:
         if drawn or output == "-":
             raise click.UsageError("--split writes several programs: give -o NAME of a program")
+        if asked["from_block"]:
+            raise click.UsageError("--split parts a whole program: not what --from-block leaves")
         from wedmcam.cli.split import compile_split
 
         return compile_split(input_, machine, output, certificate, plot_, map_, feed, asked)

@@ -246,7 +246,7 @@ class _Case(NamedTuple):
             "path_mm": float(way.lengths()[way.cutting].sum()) / 1000.0,
             "origin_um": self.program.origin,
             "offset_um": self.plan.offset_um,
-            "side": str(self.plan.side),
+            "side": str(self.plan.side) if len({p.side for p in self.plan.kinds}) == 1 else "mixed",
             "path_limit_um": self.path_limit_um,
             "gouge_limit_um": self.gouge_limit_um,
         }

@@ -11,6 +11,7 @@ PACKAGE = ROOT / "src" / "wedmcam"
 SHELL = {
     "__init__",
     "__main__",
+    "setup_sheet",
     "source_map",
     "cli",
     "api",

@@ -63,6 +63,12 @@ def cli() -> None:
 @click.option(
     "--map", "map_", metavar="FILE.json", help="Write there which block was drawn by what."
 )
+@click.option(
+    "--setup-sheet",
+    "sheet",
+    metavar="FILE.md|txt|html",
+    help="Write there what the machine needs: start holes, zero, what to do at each stop.",
+)
 @ask.feed_option
 @ask.said_options
 def compile_command(
@@ -73,6 +79,7 @@ def compile_command(
     plot_: str | None,
     map_: str | None,
     split: bool,
+    sheet: str | None,
     **asked: Any,
 ) -> int:
     """Source to program: the main job.
@@ -80,6 +87,8 @@ def compile_command(
     Nothing is written that was not decoded again, stepped on the controller and compared with the
     drawing.
     """
+    if sheet is not None and (split or (to is not None and "," in to)):
+        raise click.UsageError("--setup-sheet is for one program: not with --split or many formats")
     if to is not None and "," in to:
         from wedmcam.cli.several import compile_several
 
@@ -97,7 +106,7 @@ def compile_command(
     )
     if not drawn:
         ask.warn_of_name(output, machine.format)
-    outputs = [name for name in (output, certificate, plot_, map_) if name is not None]
+    outputs = [n for n in (output, certificate, plot_, map_, sheet) if n is not None]
     check_outputs([input_, *also_read(click.get_current_context())], outputs)
     if output == "-" and asked["json_"]:
         raise click.UsageError("--json and the program cannot both be standard output")
@@ -131,6 +140,10 @@ def compile_command(
         files.append((plot_, _picture(made, Path(output).name, plot_)))
     if map_ is not None:
         files.append((map_, say.map_bytes(api.source_map(made))))
+    if sheet is not None:
+        from wedmcam.setup_sheet import written
+
+        files.append((sheet, written(made, Path(output).name, sheet, feed)))
     write_outputs(files)
     if not asked["quiet"]:
         say.say_report(made, output, asked["verbose"])

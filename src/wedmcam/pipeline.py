@@ -110,13 +110,13 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
 
 def source_format(data: bytes, file: str, options: Options) -> str:
     """Return the format of a source: as asked for, else by its name, else by its content."""
-    from wedmcam.frontends.identify import is_part
-
     if options.source is not None:
         return options.source
     name = file.lower()
     if name.endswith((".wed", ".dxf")):
         return name[-3:]
+    from wedmcam.frontends.identify import is_part
+
     return "wed" if is_part(data) else "dxf"
 
 

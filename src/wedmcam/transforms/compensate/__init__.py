@@ -299,7 +299,7 @@ def _paths(
         used = np.concatenate([node, [found.node1[loop[-1]] for loop in found.loops]]).astype(
             np.int64
         )
-        used = np.unique(used)
+        used = np.flatnonzero(np.bincount(used))  # np.unique fetches numpy.ma
         x, y = x.copy(), y.copy()
         x[used], y[used] = node_points(ar, source, raw, found, used)
     e = raw.elements

@@ -98,7 +98,7 @@ def _cross(
     kind_i, kind_j = _kinds(s, raw, i, near_x, near_y), _kinds(s, raw, j, near_x, near_y)
     x, y = near_x.copy(), near_y.copy()
     kinds = kind_i * _KINDS + kind_j
-    for kind in np.unique(kinds).tolist():
+    for kind in np.flatnonzero(np.bincount(kinds)).tolist():
         k = np.flatnonzero(kinds == kind)
         one = s.curves(raw.source[i[k]], *_SEEN[kind // _KINDS])
         two = s.curves(raw.source[j[k]], *_SEEN[kind % _KINDS])

@@ -339,6 +339,49 @@ def test_long_arcs_and_lines_against_the_loop():
         assert (low[i], high[i]) == extremes(block, path)
 
 
+@pytest.mark.parametrize("table", LineTable)
+@pytest.mark.parametrize("count", [5, 1499, 1500, 70_000])
+def test_runs_of_any_length_along_axes_diagonals_and_quadrants(table, count):
+    """One by one and together: every direction, as long and as short runs are computed."""
+    b = np.zeros(16, BLOCK)
+    ways = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
+    b["x"], b["y"] = 20_000 * np.array(ways + ways).T
+    b["kind"][8:], b["turn"][8:] = Kind.ARC, [1, -1] * 4
+    b["axis"], b["count"] = Axis.SQUARE, count
+    for some in (b, *(b[i : i + 1] for i in range(16))):
+        steps = run(some, table).steps
+        positions, first = trace(some, table)
+        of = np.repeat(np.arange(len(some)), steps)
+        nth = np.arange(len(of)) - np.repeat(first, steps) + 1
+        want = np.stack(position(some[of], nth, table), axis=1)
+        assert np.array_equal(positions[1:] - positions[first[of]], want)
+
+
+@pytest.mark.parametrize("table", LineTable)
+def test_short_pieces_of_the_longest_lines_and_arcs_side_by_side(table):
+    """Thousands of runs share a floor: lines whose ratio has 2^31 below are the closest to it."""
+    rng = np.random.default_rng(12)
+    n = 3000
+    b = random_blocks(rng, n, 1000, 1)
+    b["kind"] = rng.choice([Kind.LINE, Kind.ARC], n, p=[0.7, 0.3])
+    arc = b["kind"] == Kind.ARC
+    b["turn"] = np.where(arc, rng.choice([-1, 1], n), 0)
+    long = ~arc & (rng.random(n) < 0.8)
+    near = 2**30 - rng.integers(0, 50, (2, n))
+    b["x"][long], b["y"][long] = (near * rng.choice([-1, 1], (2, n)))[:, long]
+    b["x"][long & (rng.random(n) < 0.3)] = 1
+    b["axis"], b["count"] = Axis.SQUARE, rng.integers(1, 700, n)
+    b = b[(arc & (b["x"] ** 2 + b["y"] ** 2 >= 2)) | (~arc & ((b["x"] != 0) | (b["y"] != 0)))]
+    for some in (b, b[b["kind"] == Kind.LINE], b[b["kind"] == Kind.ARC]):
+        steps = run(some, table).steps
+        assert (steps > 0).all()
+        positions, first = trace(some, table)
+        of = np.repeat(np.arange(len(some)), steps)
+        nth = np.arange(len(of)) - np.repeat(first, steps) + 1
+        want = np.stack(position(some[of], nth, table), axis=1)
+        assert np.array_equal(positions[1:] - positions[first[of]], want)
+
+
 def test_deviation_of_whole_circles_to_a_metre():
     """The few rows that the search looks at give the extremes of all steps."""
     for x, y in ((30_000, 0), (12_345, 6_789), (707, 707), (99_999, -5), (400_001, 3)):

@@ -20,8 +20,8 @@ from wedmcam.controller.circle import Bools, Floats, Ints, apex, frame, place, t
 from wedmcam.controller.closed import PIECE, line_frame, run
 from wedmcam.ir.program import Kind, LineTable
 
-#: Rows that a search looks at in its first round; each round doubles it.
-_FIRST_ROWS = 16
+#: Rows that a search looks at in its first round; each round doubles it. Few, for many short arcs.
+_FIRST_ROWS = 4
 
 
 def deviation(

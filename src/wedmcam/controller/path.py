@@ -6,53 +6,81 @@ line and one run a quadrant of an arc.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller.circle import Floats, Ints, apex, frame, quadrant
+from wedmcam.controller.circle import Bools, Floats, Ints, apex, frame, quadrant
 from wedmcam.controller.closed import EXACT, Motion, line_frame, run
 from wedmcam.ir.program import Kind, LineTable
 
-#: Steps computed at a time: their temporaries fit the second-level cache.
-PIECE = 32768
+#: Steps computed at a time: few enough for the cache, so many that the calls do not count.
+PIECE = 65536
 
 #: Runs from this length on are computed each on its own, with scalar constants; the calls cost some
 #: 8 us a piece. Shorter ones go together, at about 5 ns a step for repeating the constants.
 LONG = 1500
 
-#: Steps under one formula. Step i = 1, 2, ... of a run has e = i - shift. Arc: u = floor((sqrt(c -
-#: e^2) - e) / 2), where c = 2 R^2 - 1; line: u = ceil(e c / d), the steps along q. The place is
-#: (x0 + xu u + xe e, y0 + yu u + ye e), um from the start of the path; xu, xe, yu, ye are +-1 or 0.
-#: Sorted by ``block``, the runs are in the order of the path.
-_RUN = np.dtype(
-    [("block", "i8"), ("length", "i8"), ("is_arc", "?")]
-    + [(name, "f8") for name in ("shift", "c", "d", "x0", "xu", "xe", "y0", "yu", "ye")]
-)
+
+class _Runs(NamedTuple):
+    """Steps under one formula, one entry a run; sorted by ``block`` they are the path.
+
+    After step i = 1, 2, ... of a run the machine has made T steps along x, up to a constant, and
+    stands at (x0 + sx T, y0 + sy (i - T)), um from the start of the path. With e = i - shift:
+
+    - line: T = floor((e c + b) / d);
+    - arc: T = sign floor((sqrt(c - e^2) + sign e) / 2), where c = 2 R^2 - 1.
+
+    ``sx``, ``sy`` and ``sign`` are +1 or -1; a line on the x axis has T = i, one on the y axis 0.
+    """
+
+    block: Ints
+    length: Ints
+    is_arc: Bools
+    shift: Floats
+    c: Floats
+    b: Floats
+    d: Floats
+    sign: Floats
+    x0: Floats
+    sx: Floats
+    y0: Floats
+    sy: Floats
+
+    def take(self, rows: Ints | slice) -> _Runs:
+        """Return some of the runs."""
+        columns: Any = (column[rows] for column in self)
+        return _Runs(*columns)
 
 
-def _line_runs(
-    blocks: NDArray[np.void], rows: Ints, moves: Motion, table: LineTable
-) -> NDArray[np.void]:
+def _line_runs(blocks: NDArray[np.void], rows: Ints, moves: Motion, table: LineTable) -> _Runs:
     """Return one run for each of the lines ``rows``; x0, y0 from the start of the line."""
-    runs = np.zeros(len(rows), _RUN)
     x, y = blocks["x"][rows], blocks["y"][rows]
     p, q, p_is_x = line_frame(x, y, table)
     # A line with a length on q alone steps there at every step: let that be p.
-    swap = p == 0
-    p, q, p_is_x = np.where(swap, q, p), np.where(swap, 0, q), p_is_x ^ swap
-    # u = ceil(q (n-1) / (p+q)) steps along q, e = n - 1, so p takes e + 1 - u.
-    runs["block"], runs["length"] = rows, moves.steps[rows]
-    runs["shift"], runs["c"], runs["d"] = 1.0, q, p + q
-    sx, sy = np.sign(x), np.sign(y)
-    runs["xu"], runs["yu"] = np.where(p_is_x, -sx, sx), np.where(p_is_x, sy, -sy)
-    runs["xe"] = runs["x0"] = np.where(p_is_x, sx, 0)
-    runs["ye"] = runs["y0"] = np.where(p_is_x, 0, sy)
-    return runs
+    p_is_x = p_is_x ^ (p == 0)
+    # With n - 1 = e, q takes ceil(e q / (p + q)) of the first n steps and p the others, that is
+    # floor(e p / (p + q)) + 1.
+    d = (p + q).astype(np.float64)
+    one = np.ones(len(rows))
+    return _Runs(
+        block=rows,
+        length=moves.steps[rows],
+        is_arc=np.zeros(len(rows), bool),
+        shift=one,
+        c=np.abs(x).astype(np.float64),
+        b=np.where(p_is_x, d, d - 1.0),
+        d=d,
+        sign=one,
+        x0=np.zeros(len(rows)),
+        sx=np.where(x < 0, -1.0, 1.0),
+        y0=np.zeros(len(rows)),
+        sy=np.where(y < 0, -1.0, 1.0),
+    )
 
 
-def _arc_runs(blocks: NDArray[np.void], rows: Ints, moves: Motion) -> NDArray[np.void]:
+def _arc_runs(blocks: NDArray[np.void], rows: Ints, moves: Motion) -> _Runs:
     """Return one run for each quadrant of the arcs ``rows``; x0, y0 from the start of the arc."""
     x, y, turn = (blocks[name][rows].astype(np.float64) for name in ("x", "y", "turn"))
     r2 = x * x + y * y
@@ -63,125 +91,148 @@ def _arc_runs(blocks: NDArray[np.void], rows: Ints, moves: Motion) -> NDArray[np
     last = np.floor((end - 1.0) / (2.0 * a)).astype(np.int64)
     arc = np.repeat(np.arange(len(rows)), last + 1)
     nth = np.arange(len(arc)) - np.repeat(np.cumsum(last + 1) - (last + 1), last + 1)
-    runs = np.zeros(len(arc), _RUN)
     a, turn = a[arc], turn[arc]
     m0 = np.where(nth == 0, begin[arc], 0.0)
     m1 = np.where(nth == last[arc], end[arc] - 2.0 * a * nth, 2.0 * a)
-    runs["block"], runs["length"], runs["is_arc"] = rows[arc], m1 - m0, True
-    runs["shift"], runs["c"], runs["d"] = a + 1.0 - m0, 2.0 * r2[arc] - 1.0, 1.0
-    # (x, y) from the centre: even quadrants (s u, t s v), odd ones (-s v, t s u); v = u + e + 1.
+    shift = a + 1.0 - m0
+    # (x, y) from the centre: even quadrants (s u, t s v), odd ones (-s v, t s u), where
+    # u = floor((root - e) / 2) shrinks and v = u + e + 1 = floor((root + e) / 2) + 1 grows.
     q = (quadrant(f)[arc].astype(np.int64) + nth) & 3
-    odd, sign = (q & 1).astype(bool), np.where(q >= 2, -1.0, 1.0)
-    runs["xu"], runs["yu"] = np.where(odd, -sign, sign), sign * turn
-    runs["xe"] = np.where(odd, -sign, 0.0)
-    runs["ye"] = np.where(odd, 0.0, sign * turn)
-    runs["x0"], runs["y0"] = runs["xe"] - x[arc], runs["ye"] - y[arc]
-    return runs
+    odd, s = (q & 1).astype(bool), np.where(q >= 2, -1.0, 1.0)
+    return _Runs(
+        block=rows[arc],
+        length=(m1 - m0).astype(np.int64),
+        is_arc=np.ones(len(arc), bool),
+        shift=shift,
+        c=2.0 * r2[arc] - 1.0,
+        b=np.zeros(len(arc)),
+        d=np.ones(len(arc)),
+        sign=np.where(odd, 1.0, -1.0),
+        x0=np.where(odd, -s, 0.0) - x[arc],
+        sx=-s,
+        y0=turn * s * np.where(odd, shift, 1.0 - shift) - y[arc],
+        sy=turn * np.where(odd, -s, s),
+    )
 
 
 Columns = tuple[NDArray[Any], NDArray[Any]]
 
 
-def _many(runs: NDArray[np.void], ramp: Floats, out: Columns) -> None:
-    """Fill x and y with the steps of short runs, side by side; ``ramp`` is 1, 2, ..."""
-    length = runs["length"]
+def _many(runs: _Runs, ramp: Floats, out: Columns) -> None:
+    """Fill x and y with the steps of short runs, side by side; ``ramp`` is 1, 2, ...
+
+    What goes into the floor is w = r ramp + g, for arcs with half the root on top. For arcs that is
+    as exact as in `_one`. For lines half a step in d keeps w 1 / (2 d) >= 2^-32 from whole numbers,
+    and with ramp < 2^17 and r <= 1 it is less than 2^-34 wrong.
+    """
+    length, is_arc = runs.length, runs.is_arc
+    before = (np.cumsum(length) - length).astype(np.float64)
+    shift = before + runs.shift
+    r = np.where(is_arc, 0.5 * runs.sign, runs.c / runs.d)
+    g = np.where(is_arc, -r * shift, (runs.b + 0.5 - shift * runs.c) / runs.d)
+    arcs, lines = bool(is_arc.any()), not is_arc.all()
 
     def spread(values: Floats) -> Floats:
         return np.repeat(values, length)
 
-    e = spread(-(np.cumsum(length) - length + runs["shift"]))
-    e += ramp[: len(e)]
-    is_arc = runs["is_arc"]
-    u = np.zeros_like(e)
-    if is_arc.any():
-        u += e
-        u *= u
-        np.subtract(spread(runs["c"]), u, out=u)
-        if not is_arc.all():
-            np.abs(u, out=u)  # lines are wiped out below
-        np.sqrt(u, out=u)
-        u -= e
-        u *= 0.5 if is_arc.all() else spread(np.where(is_arc, 0.5, 0.0))
-        np.floor(u, out=u)
-    if not is_arc.all():
-        along_q = spread(np.where(is_arc, 0.0, runs["c"]))
-        along_q *= e
-        along_q /= spread(runs["d"])
-        u += np.ceil(along_q, out=along_q)
-    for target, name in zip(out, "xy", strict=True):
-        value = spread(runs[name + "u"])
-        value *= u
-        by_e = spread(runs[name + "e"])
-        by_e *= e
-        value += by_e
-        value += spread(runs[name + "0"])
+    w = spread(r)
+    i = ramp[: len(w)]
+    w *= i
+    w += spread(g)
+    if arcs:
+        e = spread(shift)
+        np.subtract(i, e, out=e)
+        e *= e
+        # Of lines any root will do: it counts nothing.
+        root = spread(np.where(is_arc, runs.c, LONG * LONG) if lines else runs.c)
+        root -= e
+        np.sqrt(root, out=root)
+        root *= spread(np.where(is_arc, 0.5, 0.0)) if lines else 0.5
+        w += root
+    np.floor(w, out=w)
+    if arcs:
+        w *= spread(runs.sign)
+    x = spread(runs.sx)
+    x *= w
+    x += spread(runs.x0)
+    out[0][:] = x
+    np.subtract(i, w, out=w)
+    w *= spread(runs.sy)
+    w += spread(runs.y0 - runs.sy * before)
+    out[1][:] = w
+
+
+def _put(value: Floats, sign: float, zero: float, target: NDArray[Any]) -> None:
+    """Fill the target with zero + value, or zero - value at sign -1; uses value up."""
+    result = target if target.dtype == np.float64 else value
+    if sign < 0:
+        np.subtract(zero, value, out=result)
+    else:
+        np.add(value, zero, out=result)
+    if result is value:
         target[:] = value
 
 
 def _one(one: tuple[Any, ...], ramp: Floats, scratch: Floats, out: Columns) -> None:
     """Fill x and y with the steps of one long run, piece by piece; ``ramp`` is 1, 2, ..."""
-    _, length, is_arc, shift, c, d, x0, xu, xe, y0, yu, ye = one
+    _, length, is_arc, shift, c, b, d, sign, x0, sx, y0, sy = one
     for first in range(0, length, PIECE):
         n = min(PIECE, length - first)
-        e, u, value = scratch[:, :n]
+        e, w = scratch[:, :n]
         np.add(ramp[:n], first - shift, out=e)
         if is_arc:
-            np.multiply(e, e, out=u)
-            np.subtract(c, u, out=u)
-            np.sqrt(u, out=u)
-            u -= e
-            u *= 0.5
-            np.floor(u, out=u)
-        elif length * c < EXACT:
-            np.multiply(e, c, out=u)
-            u /= d
-            np.ceil(u, out=u)
+            np.multiply(e, e, out=w)
+            np.subtract(c, w, out=w)
+            np.sqrt(w, out=w)
+            (np.add if sign > 0 else np.subtract)(w, e, out=w)
+            w *= 0.5
+            np.floor(w, out=w)
+        elif length * c + d < EXACT:
+            np.multiply(e, c, out=w)
+            w += b
+            w /= d
+            np.floor(w, out=w)
         else:  # millions of steps along a ratio of large numbers
-            u[:] = -((e.astype(np.int64) * -int(c)) // int(d))
-        for column, by_u, by_e, zero in ((out[0], xu, xe, x0), (out[1], yu, ye, y0)):
-            sign, walked = by_e or by_u, u
-            if by_e:
-                walked = (np.add if by_u == by_e else np.subtract)(e, u, out=value)
-            target = column[first : first + n]
-            result = target if target.dtype == np.float64 else value
-            if sign > 0:
-                np.add(walked, zero, out=result)
-            else:
-                np.subtract(zero, walked, out=result)
-            if result is value:
-                target[:] = value
+            w[:] = (e.astype(np.int64) * int(c) + int(b)) // int(d)
+        # T = sign w, and i - T = (e - sign w) + shift.
+        (np.subtract if sign > 0 else np.add)(e, w, out=e)
+        _put(w, sx * sign, x0, out[0][first : first + n])
+        _put(e, sy, y0 + sy * shift, out[1][first : first + n])
 
 
-def _fill(runs: NDArray[np.void], x: NDArray[Any], y: NDArray[Any]) -> None:
+def _fill(runs: _Runs, x: NDArray[Any], y: NDArray[Any]) -> None:
     """Fill x and y, int64 or float64, with the places after every step of the runs."""
-    ramp = np.arange(1.0, PIECE + LONG + 1.0)
-    scratch = np.empty((3, PIECE))
-    ends = np.cumsum(runs["length"])
-    long_rows = np.flatnonzero(runs["length"] >= LONG)
-    long_runs = iter(runs[long_rows].tolist())
-    long_at = iter([*long_rows.tolist(), len(runs)])
+    total = len(runs.length)
+    ends = np.cumsum(runs.length)
+    most = min(PIECE + LONG, int(ends[-1])) if total else 0
+    ramp = np.arange(1.0, most + 1.0)
+    scratch = np.empty((2, min(PIECE, most)))
+    long_rows = np.flatnonzero(runs.length >= LONG)
+    long_runs = zip(*(column.tolist() for column in runs.take(long_rows)), strict=True)
+    long_at = iter([*long_rows.tolist(), total])
     i = done = 0
     next_long = next(long_at)
-    while i < len(runs):
+    while i < total:
         if i == next_long:
             _one(next(long_runs), ramp, scratch, (x[done : ends[i]], y[done : ends[i]]))
             j, next_long = i + 1, next(long_at)
         else:
             # As many short runs as fill a piece, up to the next long one.
             j = min(int(np.searchsorted(ends, done + PIECE)) + 1, next_long)
-            _many(runs[i:j], ramp, (x[done : ends[j - 1]], y[done : ends[j - 1]]))
+            _many(runs.take(slice(i, j)), ramp, (x[done : ends[j - 1]], y[done : ends[j - 1]]))
         i, done = j, int(ends[j - 1])
 
 
-def _runs_of(blocks: NDArray[np.void], moves: Motion, table: LineTable) -> NDArray[np.void]:
+def _runs_of(blocks: NDArray[np.void], moves: Motion, table: LineTable) -> _Runs:
     """Return the runs of blocks in the order of the path, from the start of the first block."""
     steps = moves.steps
     is_arc = blocks["kind"] == Kind.ARC
     lines, arcs = np.flatnonzero((steps > 0) & ~is_arc), np.flatnonzero((steps > 0) & is_arc)
     runs = _line_runs(blocks, lines, moves, table)
     if len(arcs):
-        runs = np.concatenate([runs, _arc_runs(blocks, arcs, moves)])
-        runs = runs[np.argsort(runs["block"], kind="stable")]
+        both = zip(runs, _arc_runs(blocks, arcs, moves), strict=True)
+        runs = _Runs(*(np.concatenate(columns) for columns in both))
+        runs = runs.take(np.argsort(runs.block, kind="stable"))
     return runs
 
 
@@ -201,9 +252,9 @@ def places(
         x and y after each step, one block after the other; whole um.
     """
     runs = _runs_of(blocks, moves, table)
-    runs["x0"] += x[runs["block"]]
-    runs["y0"] += y[runs["block"]]
-    total = int(runs["length"].sum())
+    runs.x0[:] += x[runs.block]
+    runs.y0[:] += y[runs.block]
+    total = int(runs.length.sum())
     out_x, out_y = np.empty(total), np.empty(total)
     _fill(runs, out_x, out_y)
     return out_x, out_y
@@ -235,7 +286,7 @@ def trace(
     out = np.empty((int(steps.sum()) + 1, 2), np.int64)
     out[0] = 0
     runs = _runs_of(blocks, moves, table)
-    runs["x0"] += (np.cumsum(moves.dx) - moves.dx)[runs["block"]]
-    runs["y0"] += (np.cumsum(moves.dy) - moves.dy)[runs["block"]]
+    runs.x0[:] += (np.cumsum(moves.dx) - moves.dx)[runs.block]
+    runs.y0[:] += (np.cumsum(moves.dy) - moves.dy)[runs.block]
     _fill(runs, out[1:, 0], out[1:, 1])
     return out, first

@@ -1,7 +1,8 @@
 """Compile time by stage against ezdxf.readfile alone, and the memory of both.
 
-Each size runs in a process of its own; medians of five runs, one run of 100,000 entities. "prove"
-decodes the bytes and judges them; its share is of the whole compile.
+Each size runs in a process of its own, in 8-digit decimals and in float64; processor time, medians
+of five runs, one run of 100,000 entities. "prove" decodes the bytes and judges them; what it adds
+is told as a part of the rest of the compile.
 
 Run: python benchmarks/bench_stages.py [--json] [--most 100000]
 """
@@ -21,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from stage_drawings import drawing
 
 SIZES = (1_000, 10_000, 100_000)
+ARITHMETICS = ("decimal8", "float64")
 STAGES = ("read", "plan", "lower", "encode", "prove")
 
 
@@ -33,38 +35,39 @@ def read_alone(name):
 
     runs = []
     for _ in range(5 if Path(name).stat().st_size < 5e6 else 1):
-        start = time.perf_counter()
+        start = time.process_time()
         ezdxf.readfile(name)
-        runs.append(time.perf_counter() - start)
+        runs.append(time.process_time() - start)
     return {"s": sorted(runs)[len(runs) // 2], "mb": peak_mb()}
 
 
-def compiled(name):
+def compiled(name, arithmetic="decimal8"):
     from wedmcam import api, pipeline
 
     spent = dict.fromkeys(STAGES, 0.0)
 
     def timed(stage, function):
         def run(*arguments, **more):
-            start = time.perf_counter()
+            start = time.process_time()
             try:
                 return function(*arguments, **more)
             finally:
-                spent[stage] += time.perf_counter() - start
+                spent[stage] += time.process_time() - start
 
         return run
 
     for stage in STAGES:
         setattr(pipeline, stage, timed(stage, getattr(pipeline, stage)))
     data = Path(name).read_bytes()
-    api.compile(drawing(200)[0], offset=0.1)  # imports are no part of this
+    asked = {"offset": 0.1, "arithmetic": arithmetic}
+    api.compile(drawing(200)[0], **asked)  # imports are no part of this
     gc.disable()  # as the command does
     runs = []
     for _ in range(5 if len(data) < 5e6 else 1):
         spent.update(dict.fromkeys(STAGES, 0.0))
-        start = time.perf_counter()
-        made = api.compile(data, name="drawing", offset=0.1)
-        runs.append((time.perf_counter() - start, dict(spent)))
+        start = time.process_time()
+        made = api.compile(data, name="drawing", **asked)
+        runs.append((time.process_time() - start, dict(spent)))
         assert made.ok, [d.message for d in made.findings][:5]
     total, spent = sorted(runs, key=lambda r: r[0])[len(runs) // 2]
     v = made.verdict
@@ -78,6 +81,12 @@ def compiled(name):
     }
 
 
+def of_its_own(*what):
+    """Return what one measurement tells in a process of its own."""
+    command = [sys.executable, __file__, "--one", *what]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
 def rows(most=100_000):
     """Return a row a size, both programs run side by side in processes of their own."""
     out = []
@@ -88,12 +97,12 @@ def rows(most=100_000):
             name = str(Path(folder, "plate.dxf"))
             Path(name).write_bytes(drawing(size)[0])
             row = {"entities": size}
-            for what in ("read_alone", "compiled"):
-                command = [sys.executable, __file__, "--one", what, name]
-                told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-                row[what] = json.loads(told)
-        row["ratio"] = round(row["compiled"]["s"] / row["read_alone"]["s"], 2)
-        row["judge_share"] = round(row["compiled"]["prove"] / row["compiled"]["s"], 3)
+            row["read_alone"] = of_its_own("read_alone", name)
+            for arithmetic in ARITHMETICS:
+                made = of_its_own("compiled", name, arithmetic)
+                made["ratio"] = round(made["s"] / row["read_alone"]["s"], 2)
+                made["judge_adds"] = round(made["prove"] / (made["s"] - made["prove"]), 3)
+                row[arithmetic] = made
         out.append(row)
     return out
 
@@ -101,30 +110,33 @@ def rows(most=100_000):
 def table(found):
     """Yield the lines of a Markdown table."""
     yield (
-        "| entities | ezdxf.readfile | compile | ratio | "
+        "| entities | figures in | ezdxf.readfile | compile | ratio | "
         + " | ".join(STAGES)
-        + (" | judge's share | memory: readfile, compile | blocks | deviation |")
+        + " | prove adds | memory: readfile, compile | blocks | deviation |"
     )
     yield "|---" * (9 + len(STAGES)) + "|"
     for r in found:
-        c, alone = r["compiled"], r["read_alone"]
-        stages = " | ".join(f"{1000 * c[s]:.0f} ms" for s in STAGES)
-        yield (
-            f"| {r['entities']} | {1000 * alone['s']:.0f} ms | {1000 * c['s']:.0f} ms | "
-            f"{r['ratio']} | {stages} | {100 * r['judge_share']:.0f} % | {alone['mb']}, {c['mb']} "
-            f"MB | {c['blocks']} | {c['deviation_um']} um |"
-        )
+        alone = r["read_alone"]
+        for arithmetic in ARITHMETICS:
+            c = r[arithmetic]
+            stages = " | ".join(f"{1000 * c[s]:.0f} ms" for s in STAGES)
+            yield (
+                f"| {r['entities']} | {arithmetic} | {1000 * alone['s']:.0f} ms | "
+                f"{1000 * c['s']:.0f} ms | {c['ratio']} | {stages} | "
+                f"{100 * c['judge_adds']:.0f} % | {alone['mb']}, {c['mb']} MB | {c['blocks']} | "
+                f"{c['deviation_um']} um |"
+            )
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--most", type=int, default=100_000)
-    parser.add_argument("--one", nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--one", nargs="+", help=argparse.SUPPRESS)
     asked = parser.parse_args()
     if asked.one:
-        what, name = asked.one
-        print(json.dumps({"read_alone": read_alone, "compiled": compiled}[what](name)))
+        what, *arguments = asked.one
+        print(json.dumps({"read_alone": read_alone, "compiled": compiled}[what](*arguments)))
         return
     found = rows(asked.most)
     print(json.dumps(found, indent=1) if asked.json else "\n".join(table(found)))

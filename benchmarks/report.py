@@ -97,9 +97,9 @@ def summary(speed, steps, stages, long, reading, counts, arithmetic, decimals):
         row(f"reading {name}, blocks a second", f"{least}, target {target}", f"{rate:.0f}",
             rate >= least)  # fmt: skip
     for r in stages:
-        for arithmetic in bench_stages.ARITHMETICS:
-            adds = r[arithmetic]["judge_adds"]
-            row(f"judge on top of a compile in {arithmetic}, {r['entities']} entities",
+        for figures in bench_stages.ARITHMETICS:
+            adds = r[figures]["judge_adds"]
+            row(f"judge on top of a compile in {figures}, {r['entities']} entities",
                 "25 %, target 10 %", f"{100 * adds:.0f}", adds < 0.25, " %")  # fmt: skip
     for a, b in pairwise(stages):
         for stage in bench_stages.STAGES:

@@ -121,9 +121,9 @@ Columns = tuple[NDArray[Any], NDArray[Any]]
 def _many(runs: _Runs, ramp: Floats, out: Columns) -> None:
     """Fill x and y with the steps of short runs, side by side; ``ramp`` is 1, 2, ...
 
-    What goes into the floor is w = r ramp + g, for arcs with half the root on top. For arcs that is
-    as exact as in `_one`. For lines half a step in d keeps w 1 / (2 d) >= 2^-32 from whole numbers,
-    and with ramp < 2^17 and r <= 1 it is less than 2^-34 wrong.
+    What goes into the floor is w = r ramp + g. For arcs that is sign e / 2, exactly, and half the
+    root comes on top. For lines half a step in d keeps w 1 / (2 d) >= 2^-32 from whole numbers, and
+    with ramp < 2^17 and r <= 1 it is less than 2^-34 wrong.
     """
     length, is_arc = runs.length, runs.is_arc
     before = (np.cumsum(length) - length).astype(np.float64)
@@ -140,14 +140,12 @@ def _many(runs: _Runs, ramp: Floats, out: Columns) -> None:
     w *= i
     w += spread(g)
     if arcs:
-        e = spread(shift)
-        np.subtract(i, e, out=e)
-        e *= e
-        # Of lines any root will do: it counts nothing.
-        root = spread(np.where(is_arc, runs.c, LONG * LONG) if lines else runs.c)
-        root -= e
+        # Of lines any root will do (their w is at most their length): it counts nothing.
+        root = spread(np.where(is_arc, 0.25 * runs.c, LONG * LONG) if lines else 0.25 * runs.c)
+        root -= w * w
         np.sqrt(root, out=root)
-        root *= spread(np.where(is_arc, 0.5, 0.0)) if lines else 0.5
+        if lines:
+            root *= spread(is_arc.astype(np.float64))
         w += root
     np.floor(w, out=w)
     if arcs:
@@ -173,31 +171,35 @@ def _put(value: Floats, sign: float, zero: float, target: NDArray[Any]) -> None:
         target[:] = value
 
 
-def _one(one: tuple[Any, ...], ramp: Floats, scratch: Floats, out: Columns) -> None:
-    """Fill x and y with the steps of one long run, piece by piece; ``ramp`` is 1, 2, ..."""
+def _one(one: tuple[Any, ...], ramp: Floats, half: Floats, scratch: Floats, out: Columns) -> None:
+    """Fill x and y with the steps of one long run, piece by piece.
+
+    ``ramp`` is 1, 2, ..., and ``half`` half of it.
+    """
     _, length, is_arc, shift, c, b, d, sign, x0, sx, y0, sy = one
     for first in range(0, length, PIECE):
         n = min(PIECE, length - first)
         e, w = scratch[:, :n]
-        np.add(ramp[:n], first - shift, out=e)
         if is_arc:
+            np.add(half[:n], 0.5 * (first - shift), out=e)  # e / 2
             np.multiply(e, e, out=w)
-            np.subtract(c, w, out=w)
+            np.subtract(0.25 * c, w, out=w)
             np.sqrt(w, out=w)
             (np.add if sign > 0 else np.subtract)(w, e, out=w)
-            w *= 0.5
             np.floor(w, out=w)
-        elif length * c + d < EXACT:
-            np.multiply(e, c, out=w)
-            w += b
-            w /= d
-            np.floor(w, out=w)
-        else:  # millions of steps along a ratio of large numbers
-            w[:] = (e.astype(np.int64) * int(c) + int(b)) // int(d)
-        # T = sign w, and i - T = (e - sign w) + shift.
-        (np.subtract if sign > 0 else np.add)(e, w, out=e)
+        else:
+            np.add(ramp[:n], first - shift, out=e)
+            if length * c + d < EXACT:
+                np.multiply(e, c, out=w)
+                w += b
+                w /= d
+                np.floor(w, out=w)
+            else:  # millions of steps along a ratio of large numbers
+                w[:] = (e.astype(np.int64) * int(c) + int(b)) // int(d)
+        # T = sign w, and i - T = first + ramp - T.
+        (np.subtract if sign > 0 else np.add)(ramp[:n], w, out=e)
         _put(w, sx * sign, x0, out[0][first : first + n])
-        _put(e, sy, y0 + sy * shift, out[1][first : first + n])
+        _put(e, sy, y0 + sy * first, out[1][first : first + n])
 
 
 def _fill(runs: _Runs, x: NDArray[Any], y: NDArray[Any]) -> None:
@@ -206,6 +208,7 @@ def _fill(runs: _Runs, x: NDArray[Any], y: NDArray[Any]) -> None:
     ends = np.cumsum(runs.length)
     most = min(PIECE + LONG, int(ends[-1])) if total else 0
     ramp = np.arange(1.0, most + 1.0)
+    half = 0.5 * ramp[:PIECE]
     scratch = np.empty((2, min(PIECE, most)))
     long_rows = np.flatnonzero(runs.length >= LONG)
     long_runs = zip(*(column.tolist() for column in runs.take(long_rows)), strict=True)
@@ -214,7 +217,7 @@ def _fill(runs: _Runs, x: NDArray[Any], y: NDArray[Any]) -> None:
     next_long = next(long_at)
     while i < total:
         if i == next_long:
-            _one(next(long_runs), ramp, scratch, (x[done : ends[i]], y[done : ends[i]]))
+            _one(next(long_runs), ramp, half, scratch, (x[done : ends[i]], y[done : ends[i]]))
             j, next_long = i + 1, next(long_at)
         else:
             # As many short runs as fill a piece, up to the next long one.

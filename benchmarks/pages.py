@@ -20,6 +20,7 @@ import tempfile
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
@@ -258,7 +259,7 @@ def codes_page(shown: dict[str, dict[str, str]]) -> str:
 def profiles_page() -> str:
     """Return docs/profiles.md."""
     from wedmcam import machines
-    from wedmcam.machines.printed import entries
+    from wedmcam.machines.printed import about, entries, section_types
     from wedmcam.machines.profile import FORMATS
 
     lines = [
@@ -288,6 +289,7 @@ def profiles_page() -> str:
                 "",
                 f"## {title}",
                 "",
+                *(line for p in about(section_types()[section]) for line in (*wrap(p, 88), "")),
                 "| key | takes | formats | means |",
                 "|---|---|---|---|",
             ]

@@ -369,7 +369,7 @@ def verify(
         else:
             from wedmcam.judge.figures import figures as figures_of
 
-            told, found = figures_of(decoded, LineTable(machine.line_table), machine.limits)
+            told, found = figures_of(decoded, LineTable(machine.table), machine.limits)
             run.add("verify", found)
     except Refused as why:
         stage = why.stage
@@ -514,7 +514,7 @@ def _judged(
     from wedmcam.judge.fit import fit
     from wedmcam.judge.judge import judge
 
-    table = LineTable(machine.line_table)
+    table = LineTable(machine.table)
     textbook = pipeline.count_of(machine, options) == "textbook"
 
     def at(program: Program, strict: bool = False) -> tuple[Verdict, list[Diagnostic]]:
@@ -585,7 +585,7 @@ def figures(program: Program, machine: Machine) -> dict[str, Any]:
     """Return what a program does by itself: blocks, steps, closure, extents, limits, reversals."""
     from wedmcam.judge.figures import figures as figures_of
 
-    return figures_of(program, LineTable(machine.line_table), machine.limits)[0]
+    return figures_of(program, LineTable(machine.table), machine.limits)[0]
 
 
 def minutes(path_mm: float, feed_um: float) -> float:
@@ -620,7 +620,7 @@ def diff(
     (one, machine_a, _), (two, machine_b, _) = read
     if one is None or two is None:
         return None, found
-    tables = LineTable(machine_a.line_table), LineTable(machine_b.line_table)
+    tables = LineTable(machine_a.table), LineTable(machine_b.table)
     return difference(one, two, *tables, 1000.0 * within_mm), found
 
 
@@ -785,7 +785,7 @@ def positions(program: Program, machine: Machine) -> tuple[Any, Any]:
 
     from wedmcam.controller import run as run_blocks
 
-    motion = run_blocks(program.blocks, LineTable(machine.line_table))
+    motion = run_blocks(program.blocks, LineTable(machine.table))
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])
     return starts, ends

@@ -180,7 +180,7 @@ def between(
     from wedmcam.judge.difference import difference
     from wedmcam.transforms.carry import carry
 
-    table = LineTable(machine_in.line_table)
+    table = LineTable(machine_in.table)
     carried, found = carry(program, table, rules_of(machine))
     if carried is None:
         return None, None, None, found
@@ -194,7 +194,7 @@ def between(
     found += [d for d in more if d.severity is Severity.ERROR]
     if has_errors(found):
         return None, made, None, found
-    apart = difference(program, made, table, LineTable(machine.line_table), WITHIN_UM)
+    apart = difference(program, made, table, LineTable(machine.table), WITHIN_UM)
     if not apart.equal:
         far = f"{apart.distance_um:.2f} um apart" if apart.distance_um < 1e9 else apart.what
         found.append(
@@ -215,12 +215,14 @@ def _span_of(program: Program, block: int) -> Any:
 
 def rules_of(machine: Machine) -> Any:
     """Return what a machine's format asks of the blocks of a program."""
+    from wedmcam import pipeline
     from wedmcam.transforms.carry import Rules
 
     text = machine.format in ("3b", "iso", "4b")
     return Rules(
         square=not text,
-        table=LineTable(machine.line_table),
+        square_axis=pipeline.square_axis(machine),
+        table=LineTable(machine.table),
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,
         words=(r"M\d{1,4}" if machine.format == "iso" else ".*") if text else "",

@@ -85,7 +85,7 @@ def grown(program: Program, machine: Machine) -> NDArray[np.int8]:
     from wedmcam.controller import run
 
     blocks = program.blocks
-    motion = run(blocks, LineTable(machine.line_table))
+    motion = run(blocks, LineTable(machine.table))
     cut = blocks["kind"] <= Kind.ARC
     number = np.cumsum(np.concatenate([[0], np.diff(cut.astype(np.int8)) == 1]))
     x, y = np.cumsum(motion.dx), np.cumsum(motion.dy)

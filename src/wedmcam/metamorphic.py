@@ -156,7 +156,7 @@ def _image(name: str, drawn: Drawn, options: Options, machine: Machine, wanted: 
     verdict, found = judge(
         replace(decoded, origin=lowered.origin),
         wanted,
-        table=LineTable(machine.line_table),
+        table=LineTable(machine.table),
         limits=machine.limits,
         count="textbook" if pipeline.count_of(machine, options) == "textbook" else "exact",
         strict_order=False,

@@ -14,7 +14,7 @@ from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, Severity, has_errors, note
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan, Side
-from wedmcam.ir.program import LineTable, Program
+from wedmcam.ir.program import Axis, LineTable, Program
 from wedmcam.ir.sketch import Sketch, ThreadPoint
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
@@ -261,7 +261,7 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
         return replace(made, cuts=made.cuts[cut - 1 :], partial=True)
     before = (lowered.blocks["cut"] == cut) & (roles == Role.CONTOUR)
     before[int(like[block]) :] = False
-    motion = stepped(lowered.blocks, LineTable(machine.line_table))
+    motion = stepped(lowered.blocks, LineTable(machine.table))
     share = np.hypot(motion.dx, motion.dy)  # chords: good enough to tell two passes apart
     arc = lowered.blocks["kind"] == Kind.ARC
     share[arc] = motion.steps[arc] * (np.pi / 4)  # a turn takes 8 R steps
@@ -282,13 +282,19 @@ def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
         )
     target = Target(
         square=machine.binary,
-        table=LineTable(machine.line_table),
+        square_axis=square_axis(machine),
+        table=LineTable(machine.table),
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,
         arc_um=machine.limits.arc_um,
         textbook=count_of(machine, options) == "textbook",
     )
     return run("lower", lower_plan(made, target))
+
+
+def square_axis(machine: Machine) -> Axis:
+    """Return how the inscribed square of the ZD-065 counts at a tie, seen from the drawing."""
+    return Axis.SQUARE_X if machine.axes.exchange else Axis.SQUARE
 
 
 def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Options) -> bytes:
@@ -364,7 +370,7 @@ def prove(
     verdict, found = judge(
         decoded,
         made,
-        table=LineTable(machine.line_table),
+        table=LineTable(machine.table),
         limits=machine.limits,
         count="textbook" if count_of(machine, options) == "textbook" else "exact",
         strict_order=strict_order,

@@ -15,6 +15,7 @@ from wedmcam.ir.program import Kind, LineTable
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation
+    from wedmcam.machines import Machine
 
 CUTTING = (Kind.LINE, Kind.ARC)
 Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
@@ -37,6 +38,7 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
         ("program", name),
         ("made of", str(made.summary["input"])),
         ("controller", f"{m.title} ({m.name})"),
+        ("axes", _axes(m)),
         ("program's SHA-256", made.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
@@ -71,6 +73,19 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
     ]  # fmt: skip
 
 
+def _axes(machine: Machine) -> str:
+    """Return how the drawing lies on the machine: which way its axes run there."""
+    if not machine.axes.said:
+        return "as in the drawing"
+    a = machine.axes
+    names = ("Y", "X") if a.exchange else ("X", "Y")
+    runs = [
+        f"+{own} of the drawing is {'-' if mirrored else '+'}{name} of the machine"
+        for own, mirrored, name in zip("xy", (a.mirror_x, a.mirror_y), names, strict=True)
+    ]
+    return f"{', '.join(runs)}; all places here are the drawing's"
+
+
 def _time(path_mm: float, feed_um: float | None) -> str:
     return "" if feed_um is None else f" ({1000 * path_mm / feed_um:.1f} min)"
 
@@ -79,7 +94,7 @@ def _ends(made: Compilation) -> Any:
     import numpy as np
 
     assert made.program is not None
-    moves = run_blocks(made.program.blocks, LineTable(made.machine.line_table))
+    moves = run_blocks(made.program.blocks, LineTable(made.machine.table))
     return np.column_stack([np.cumsum(moves.dx), np.cumsum(moves.dy)]) + made.program.origin
 
 

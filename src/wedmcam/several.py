@@ -107,7 +107,7 @@ def _compared(made: list[Compilation]) -> Several:
     assert first.program is not None
     for other in made:
         assert other.program is not None
-        tables = LineTable(first.machine.line_table), LineTable(other.machine.line_table)
+        tables = LineTable(first.machine.table), LineTable(other.machine.table)
         found = difference(first.program, other.program, *tables, WITHIN_UM)
         apart.append(found.largest_um)
         if not found.equal:

@@ -127,7 +127,7 @@ def _lent(lowered: Program) -> Ints:
 
 def block_ends(program: Program, machine: Machine) -> tuple[Ints, Ints]:
     """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
-    motion = run_blocks(program.blocks, LineTable(machine.line_table))
+    motion = run_blocks(program.blocks, LineTable(machine.table))
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     return ends - np.column_stack([motion.dx, motion.dy]), ends
 

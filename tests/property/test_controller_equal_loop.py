@@ -22,7 +22,7 @@ from wedmcam.controller import (
 )
 from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable
 
-AXES = (Axis.X, Axis.Y, Axis.SQUARE)
+AXES = tuple(Axis)
 
 
 class Lockstep:
@@ -34,10 +34,16 @@ class Lockstep:
         self.x0, self.y0 = blocks["x"].copy(), blocks["y"].copy()
         self.x, self.y = np.where(self.arc, self.x0, 0), np.where(self.arc, self.y0, 0)
         self.f = np.zeros(len(blocks), np.int64)
-        self.swapped = (self.x0 * self.y0 < 0) & (table == LineTable.ROTATE)
+        odd = self.x0 * self.y0 < 0
+        self.swapped = {
+            LineTable.MIRROR: odd & False,
+            LineTable.MIRROR_EXCHANGED: odd | True,
+            LineTable.ROTATE: odd,
+            LineTable.ROTATE_EXCHANGED: ~odd,
+        }[table]
 
     def step(self):
-        """Return whether the step is along x, and whether it counts on the square."""
+        """Return whether the step is along x, and whether it counts on the square: y or x ties."""
         x, y, t = self.x, self.y, self.turn
         ax, ay = np.abs(x), np.abs(y)
         # Arc: on x, inwards is towards the y axis; the sense decides which axis shrinks.
@@ -56,15 +62,16 @@ class Lockstep:
         change = np.where(on_x, 2 * sx * x, 2 * sy * y) + 1
         self.f += np.where(self.arc, change, np.where(axis_line, 0, line_f))
         square = np.where(self.arc, on_x == (ax < ay), on_x == (abs(self.x0) > abs(self.y0)))
+        square_x = np.where(self.arc, on_x == (ax <= ay), on_x == (abs(self.x0) >= abs(self.y0)))
         self.x, self.y = x + np.where(on_x, sx, 0), y + np.where(on_x, 0, sy)
-        return on_x, square
+        return on_x, square, square_x
 
 
 def random_blocks(rng, n, r, longest):
     b = np.zeros(n, BLOCK)
     b["kind"] = rng.choice([Kind.LINE, Kind.ARC, Kind.MOVE], n, p=[0.3, 0.6, 0.1])
     b["turn"] = np.where(b["kind"] == Kind.ARC, rng.choice([-1, 1], n), 0)
-    b["axis"] = rng.integers(0, 3, n)
+    b["axis"] = rng.integers(0, len(AXES), n)
     b["x"], b["y"] = rng.integers(-r, r + 1, (2, n))
     special = rng.random(n)
     b["x"][special < 0.1] = 0
@@ -137,7 +144,7 @@ def test_lockstep_is_the_step_loop(table):
 
 
 def test_every_small_start_every_count_two_turns():
-    """Every start to 25, both senses, all three counts, every J to two turns: 3 million blocks."""
+    """Every start to 25, both senses, all four counts, every J to two turns: 4 million blocks."""
     g = np.arange(-25, 26)
     x, y, turn = (v.ravel() for v in np.meshgrid(g, g, [1, -1]))
     keep = x * x + y * y >= 2
@@ -145,12 +152,12 @@ def test_every_small_start_every_count_two_turns():
     b["kind"], b["x"], b["y"], b["turn"] = Kind.ARC, x[keep], y[keep], turn[keep]
     turns = 16 * np.ceil(np.sqrt(b["x"] ** 2 + b["y"] ** 2 - 1.0)).astype(np.int64)
     lock = Lockstep(b, LineTable.MIRROR)
-    counts = np.zeros((3, len(b)), np.int64)
+    counts = np.zeros((4, len(b)), np.int64)
     low, high = np.zeros(len(b), np.int64), np.zeros(len(b), np.int64)
     checked = 0
     for n in range(1, int(turns.max()) + 1):
-        on_x, square = lock.step()
-        counted = np.stack([on_x, ~on_x, square])
+        on_x, square, square_x = lock.step()
+        counted = np.stack([on_x, ~on_x, square, square_x])
         counts += counted
         low, high = np.minimum(low, lock.f), np.maximum(high, lock.f)
         live = n <= turns
@@ -187,7 +194,16 @@ def test_every_small_start_every_count_two_turns():
         assert np.array_equal(e.count_y, counts[1][rows])
         assert np.array_equal(e.count_square, counts[2][rows])
         assert np.array_equal(e.square_counts, square[rows])
-    assert checked > 2_500_000
+        if n % 3:
+            continue
+        ways = (b[k][rows] for k in ("x", "y", "turn"))
+        e = arc_end(*ways, lock.x[rows], lock.y[rows], Axis.SQUARE_X)
+        assert np.array_equal(e.last_axis, np.where(on_x[rows], Axis.X, Axis.Y))
+        assert np.array_equal(e.count_x, counts[0][rows])
+        assert np.array_equal(e.count_y, counts[1][rows])
+        assert np.array_equal(e.count_square, counts[3][rows])
+        assert np.array_equal(e.square_counts, square_x[rows])
+    assert checked > 3_300_000
 
 
 def test_arc_end_lands_on_the_path_only():
@@ -219,9 +235,9 @@ def test_a_hundred_thousand_random_blocks(table):
     dx, dy, steps = (np.zeros(len(b), np.int64) for _ in range(3))
     rows = np.arange(len(b))
     while len(rows):
-        on_x, square = lock.step()
+        on_x, *squares = lock.step()
         n += 1
-        left -= np.choose(b["axis"][rows], [on_x, ~on_x, square])
+        left -= np.choose(b["axis"][rows], [on_x, ~on_x, *squares])
         done = left == 0
         dx[rows[done]], dy[rows[done]] = (lock.x - x0)[done], (lock.y - y0)[done]
         steps[rows[done]] = n
@@ -257,7 +273,7 @@ def test_a_hundred_thousand_random_blocks(table):
 @settings(max_examples=150, deadline=None)
 def test_any_block(kind, x, y, turn, axis, count, table):
     # A count on the slow axis may need any number of steps: keep it to what a loop can do.
-    if kind == Kind.ARC and axis != Axis.SQUARE:
+    if kind == Kind.ARC and axis < Axis.SQUARE:
         count %= 30
     b = np.zeros(1, BLOCK)
     b["kind"], b["x"], b["y"], b["axis"], b["count"] = kind, x, y, axis, count
@@ -286,7 +302,7 @@ def test_big_arcs_to_ten_metres():
     b["x"], b["y"] = np.rint(size * np.cos(angle)), np.rint(size * np.sin(angle))
     b["x"][:50], b["y"][:50] = 10_000_000, 0
     b["x"][50:100] = b["y"][50:100] = 7_071_067
-    b["axis"] = rng.integers(0, 3, n)
+    b["axis"] = rng.integers(0, len(AXES), n)
     b["count"] = 1 + rng.integers(0, np.maximum(4 * size, 1)).astype(np.int64)
     b["count"][:100] = 1 + np.arange(100) * 250_000
     moves = run(b)
@@ -297,7 +313,7 @@ def test_big_arcs_to_ten_metres():
     bx, by = position(b, moves.steps - 1)
     along_x = bx != moves.dx
     assert (np.abs(bx - moves.dx) + np.abs(by - moves.dy) == 1).all()
-    single = b["axis"] != Axis.SQUARE
+    single = b["axis"] < Axis.SQUARE
     assert np.array_equal(along_x[single], b["axis"][single] == Axis.X)
     # On the staircase, in Python integers: F(u, v-1) < 0 <= F(u+1, v).
     for i in range(0, n, 4):
@@ -309,18 +325,22 @@ def test_big_arcs_to_ten_metres():
         u, v = (abs(px), abs(py)) if px * py > 0 else (abs(py), abs(px))
         assert u * u + (v - 1) ** 2 < r2 <= (u + 1) ** 2 + v * v
     # The J that arc_end() finds is J, and the step numbers agree, up to whole turns.
-    e = arc_end(b["x"], b["y"], b["turn"], ex, ey)
+    ways = b["x"], b["y"], b["turn"]
+    e = arc_end(*ways, ex, ey)
     assert e.landed.all()
     assert np.array_equal(e.last_axis == Axis.X, along_x)
-    around = arc_end(b["x"], b["y"], b["turn"], b["x"], b["y"])
+    around = arc_end(*ways, b["x"], b["y"])
+    ties = arc_end(*ways, ex, ey, Axis.SQUARE_X), arc_end(*ways, b["x"], b["y"], Axis.SQUARE_X)
     turns = (moves.steps - e.steps) // around.steps
     assert np.array_equal(moves.steps, e.steps + turns * around.steps)
     for axis in AXES:
         rows = b["axis"] == axis
-        name = ("count_x", "count_y", "count_square")[axis]
-        got = getattr(e, name) + turns * getattr(around, name)
+        name = ("count_x", "count_y", "count_square", "count_square")[axis]
+        here, turn = ties if axis == Axis.SQUARE_X else (e, around)
+        got = getattr(here, name) + turns * getattr(turn, name)
         assert np.array_equal(got[rows], b["count"][rows])
     assert e.square_counts[b["axis"] == Axis.SQUARE].all()
+    assert ties[0].square_counts[b["axis"] == Axis.SQUARE_X].all()
 
 
 def test_long_arcs_and_lines_against_the_loop():

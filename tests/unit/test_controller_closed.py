@@ -128,7 +128,7 @@ def test_ratio_whose_products_pass_float64():
         moves = run(blocks((LINE, 0, X, x, -y, j), (LINE, 0, Y, x, -y, j)), table)
         floor_x, floor_y = (j - 1) * y // x, (j - 1) * x // y
         exact_x = (j - 1) * y % x == 0
-        f_along_x = table == LineTable.MIRROR
+        f_along_x = table in (LineTable.MIRROR, LineTable.ROTATE_EXCHANGED)  # in quadrant 4
         other = (floor_x + (not exact_x)) if f_along_x else floor_x + 1
         assert (int(moves.dx[0]), -int(moves.dy[0])) == (j, other)
         exact_y = (j - 1) * x % y == 0

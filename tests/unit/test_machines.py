@@ -102,3 +102,13 @@ def test_header_in_its_encoding():
     machine, found = machines.parse(text, "t.toml")
     assert found == []
     assert machine.layout.header == ("; 慢走丝", "****")
+
+
+def test_axes_are_checked():
+    machine, found = machines.parse(GOOD + "[axes]\nexchange = true\nmirror_y = true\n", "t.toml")
+    assert found == []
+    assert machine.axes == machines.Axes(exchange=True, mirror_y=True)
+    assert machine.table == "rotate"
+    assert codes(GOOD + "[axes]\nmirror_z = true\n") == ["profile-key"]
+    assert codes(GOOD + '[axes]\nexchange = "yes"\n') == ["profile-value"]
+    assert codes(GOOD + "axes = true\n") == ["profile-key"]  # it stands in [limits]

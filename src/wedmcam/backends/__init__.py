@@ -26,8 +26,16 @@ def encoder(format_: str) -> Callable[..., Any]:
     Raises:
         KeyError: no writer has this name.
 
-    >>> encoder("3b").__module__
-    'wedmcam.backends.b3'
+    It takes programs in the frame of the drawing and writes them in that of the controller.
+
+    >>> import numpy as np
+    >>> from wedmcam.ir.program import BLOCK, Program
+    >>> from wedmcam.machines import default
+    >>> data, found = encoder("compact")(Program(np.zeros(0, BLOCK)), default("compact"))
+    >>> data.hex(), found
+    ('00', [])
     """
-    encode: Callable[..., Any] = import_module(ENCODERS[format_]).encode
+    from wedmcam.backends.axes import in_frame
+
+    encode: Callable[..., Any] = in_frame(import_module(ENCODERS[format_]).encode)
     return encode

@@ -58,7 +58,7 @@ def _written(program: Program, machine: Machine) -> bytes:
     for name, colour in LAYERS.items():
         drawing.layers.add(name, color=colour)
     space = drawing.modelspace()
-    motion = run(program.blocks, LineTable(machine.line_table))
+    motion = run(program.blocks, LineTable(machine.table))
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])
     layers = layers_of(program.blocks, starts, ends)

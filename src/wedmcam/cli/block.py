@@ -37,6 +37,8 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
     words = dict(program.words)
     yield f"block {number} of {len(program.blocks)}, read for {machine.name} ({machine.title})"
     yield f"record     {_record(program, row, data)}"
+    if machine.axes.said:
+        yield f"axes       {machine.axes.said}; what follows is told as the drawing has it"
     starts, ends = positions(program, machine)
     start, end = ([int(v) for v in p[row]] for p in (starts, ends))
     if kind > Kind.MOVE:
@@ -44,7 +46,7 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
         return
     x, y, turn = int(block["x"]), int(block["y"]), int(block["turn"])
     axis, count = Axis(int(block["axis"])), int(block["count"])
-    table = LineTable(machine.line_table)
+    table = LineTable(machine.table)
     if kind == Kind.ARC:
         yield from _arc(x, y, turn, axis, count, start, end)
     else:
@@ -68,9 +70,11 @@ def _record(program: Program, row: int, data: bytes) -> str:
 
 
 def _line(x: int, y: int, axis: Any, count: int, move: bool, table: Any) -> Iterator[str]:
+    import numpy as np
+
     from wedmcam.controller import line_axis
     from wedmcam.formats.quadrants import quadrant
-    from wedmcam.ir.program import Axis, LineTable
+    from wedmcam.ir.program import Axis
 
     what = "move, generator off," if move else "line"
     heading = math.degrees(math.atan2(y, x)) % 360
@@ -78,9 +82,9 @@ def _line(x: int, y: int, axis: Any, count: int, move: bool, table: Any) -> Iter
     q = _quadrant(quadrant, x, y, 0)
     where = "on an axis: the quadrant it enters by rule" if 0 in (x, y) else "where the end lies"
     yield f"quadrant   L{q}: {where}"
-    used = line_axis(x, y) if axis == Axis.SQUARE else axis
+    used = line_axis(x, y, axis) if axis >= Axis.SQUARE else axis
     if abs(x) == abs(y):
-        exact = "y" if table == LineTable.MIRROR or x * y > 0 else "x"
+        exact = "y" if table.x_first(np.array(x), np.array(y)) else "x"
         why = f"45 degrees: with the {table} line table only {exact} ends it exactly"
     else:
         longer = "x" if abs(x) > abs(y) else "y"
@@ -114,7 +118,7 @@ def _arc(
     where = "on an axis: the quadrant it enters" if 0 in (x, y) else "where the start lies"
     yield f"quadrant   {ARCS[turn]}{q}: {where}"
     near = "x" if abs(ex) > abs(ey) else "y"
-    if axis == Axis.SQUARE:
+    if axis >= Axis.SQUARE:
         why = "y where |x| > |y|, x where |x| < |y|: always across the radius, so ends are sharp"
         yield f"counted on the inscribed square: {why}"
     else:
@@ -139,7 +143,7 @@ def _nominal(x: int, y: int, turn: int, axis: Any, ex: int, ey: int, count: int)
     from wedmcam.controller.nominal import nominal_count
     from wedmcam.ir.program import Axis
 
-    if axis == Axis.SQUARE:
+    if axis >= Axis.SQUARE:
         return ""
     by_book = int(nominal_count([x], [y], [turn], [ex], [ey], [int(axis)])[0])
     if by_book == count:

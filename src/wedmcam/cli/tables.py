@@ -40,6 +40,8 @@ def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
     """Yield the blocks of a program as a table."""
     from wedmcam.frontends.dump import dump
 
+    if machine.axes.said:
+        yield f"axes: {machine.axes.said}; Z, X, Y, G and ends are told as the drawing has them"
     yield "block  where    kind   Z          X          Y  G            J      end x      end y"
     for r in dump(program, machine):
         if r.count is None:

@@ -27,6 +27,9 @@ from wedmcam.controller.circle import (
 )
 from wedmcam.ir.program import Axis, Kind, LineTable
 
+# As plain numbers: comparing an array with a member of an enumeration costs 7 us more.
+_X, _Y, _SQUARE, _SQUARE_X = (int(axis) for axis in Axis)
+
 #: Blocks computed at a time: about twenty arrays of this length fit the second-level cache.
 PIECE = 8192
 
@@ -75,7 +78,9 @@ def line_frame(x: Ints, y: Ints, table: LineTable) -> LineFrame:
     ax, ay = np.abs(x), np.abs(y)
     if table == LineTable.MIRROR:
         return LineFrame(ax, ay, np.ones(x.shape, bool))
-    p_is_x = (x ^ y) >= 0
+    if table == LineTable.MIRROR_EXCHANGED:
+        return LineFrame(ay, ax, np.zeros(x.shape, bool))
+    p_is_x = table.x_first(x, y)
     p_is_x |= (x == 0) | (y == 0)
     return LineFrame(np.where(p_is_x, ax, ay), np.where(p_is_x, ay, ax), p_is_x)
 
@@ -83,7 +88,9 @@ def line_frame(x: Ints, y: Ints, table: LineTable) -> LineFrame:
 def _lines(x: Ints, y: Ints, axis: NDArray[np.uint8], count: Ints, table: LineTable) -> Motion:
     """Run lines. The i-th p step comes after ceil((i-1) q / p) q steps; see ``steps``."""
     ax, ay = np.abs(x), np.abs(y)
-    on_x = (axis == Axis.X) | ((axis == Axis.SQUARE) & (ax > ay))
+    on_x = (axis == _X) | ((axis == _SQUARE) & (ax > ay))
+    if int(axis.max(initial=0)) == _SQUARE_X:
+        on_x |= (axis == _SQUARE_X) & (ax >= ay)
     off = np.where(on_x, ay, ax)
     on = ax + ay - off  # length along the counted axis
     ok = (on > 0) & (on <= LINE_MAX) & (off <= LINE_MAX) & (count <= LINE_MAX) & (count > 0)
@@ -95,8 +102,12 @@ def _lines(x: Ints, y: Ints, axis: NDArray[np.uint8], count: Ints, table: LineTa
         moves.steps[bad] = np.where(count[bad] == 0, 0, -1)
         return moves
     on_p = on_x
-    if table == LineTable.ROTATE:
+    if table == LineTable.MIRROR_EXCHANGED:
+        on_p = ~on_x | (off == 0)
+    elif table == LineTable.ROTATE:
         on_p = on_x ^ (((x ^ y) < 0) & (off > 0))
+    elif table == LineTable.ROTATE_EXCHANGED:
+        on_p = on_x ^ (((x ^ y) >= 0) & (off > 0))
     # Counting on p: others = ceil((J-1) off / on). On q: one more than the floor, none if off = 0.
     product = (count - 1) * off
     if product.max() < EXACT:
@@ -187,6 +198,19 @@ def _stand_on_square(
 
 def _arcs(x: Ints, y: Ints, turn: Floats, axis: NDArray[np.uint8], count: Ints) -> Motion:
     """Run arcs."""
+    if int(axis.max(initial=0)) == _SQUARE_X:
+        other = axis == _SQUARE_X
+        # With x and y exchanged an arc turns the other way, and its square is that with y at a tie.
+        moves = _arcs(
+            np.where(other, y, x),
+            np.where(other, x, y),
+            np.where(other, -turn, turn),
+            np.where(other, np.uint8(Axis.SQUARE), axis),
+            count,
+        )
+        return Motion(
+            np.where(other, moves.dy, moves.dx), np.where(other, moves.dx, moves.dy), moves.steps
+        )
     fx, fy, fj = x.astype(np.float64), y.astype(np.float64), count.astype(np.float64)
     ok = arc_valid(fx, fy) & (fj > 0) & (fj <= COUNT_MAX) & (np.abs(turn) == 1)
     if not ok.all():
@@ -206,13 +230,13 @@ def _arcs(x: Ints, y: Ints, turn: Floats, axis: NDArray[np.uint8], count: Ints) 
     r2 = fx * fx + fy * fy
     a = apex(r2)
     f = frame(fx, fy, turn)
-    square = axis == Axis.SQUARE
+    square = axis == _SQUARE
     if not square.any():
-        end = _stand_on_axis(r2, a, f.u, f.v, f.odd, axis == Axis.Y, fj)
+        end = _stand_on_axis(r2, a, f.u, f.v, f.odd, axis == _Y, fj)
     elif square.all():
         end = _stand_on_square(r2, a, f.u, f.v, f.odd, fj)
     else:
-        one = _stand_on_axis(r2, a, f.u, f.v, f.odd, axis == Axis.Y, fj)
+        one = _stand_on_axis(r2, a, f.u, f.v, f.odd, axis == _Y, fj)
         two = _stand_on_square(r2, a, f.u, f.v, f.odd, fj)
         end = _Stand(*(np.where(square, s, t) for s, t in zip(two, one, strict=True)))
     steps = 2.0 * a * end.passed + (f.u - f.v) - (end.u - end.v)

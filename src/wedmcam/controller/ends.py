@@ -41,17 +41,30 @@ class ArcEnd(NamedTuple):
     square_counts: Bools
 
 
-def arc_end(x: ArrayLike, y: ArrayLike, turn: ArrayLike, ex: ArrayLike, ey: ArrayLike) -> ArcEnd:
+def arc_end(
+    x: ArrayLike,
+    y: ArrayLike,
+    turn: ArrayLike,
+    ex: ArrayLike,
+    ey: ArrayLike,
+    square: Axis = Axis.SQUARE,
+) -> ArcEnd:
     """Return how the arc from (x, y), relative to its centre, arrives at (ex, ey).
 
     ``turn`` is +1 counter-clockwise, -1 clockwise. start == end means one full turn, else the end
     lies less than a turn ahead. Whole um; inputs broadcast. An invalid arc (R^2 < 2, R over 23 m)
-    lands nowhere.
+    lands nowhere. ``square`` is by which tie rule ``count_square`` counts, `Axis` SQUARE or
+    SQUARE_X.
 
     >>> e = arc_end(-2000, 9000, 1, 9000, -2000)
     >>> bool(e.landed), Axis(int(e.last_axis)).name, int(e.count_y)
     (True, 'Y', 25440)
     """
+    if square == Axis.SQUARE_X:
+        # With x and y exchanged an arc turns the other way, and its square is that with y at a tie.
+        e = arc_end(y, x, -np.asarray(turn), ey, ex)
+        along = np.where(e.landed, int(Axis.X) + int(Axis.Y) - e.last_axis, 0)
+        return e._replace(last_axis=along, count_x=e.count_y, count_y=e.count_x)
     arrays = np.broadcast_arrays(x, y, turn, ex, ey)
     shape = arrays[0].shape
     flat = [np.ascontiguousarray(v).reshape(-1) for v in arrays]

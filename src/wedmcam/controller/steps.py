@@ -38,13 +38,27 @@ def _sign(value: int) -> int:
     return (value > 0) - (value < 0)
 
 
-def line_axis(x: int, y: int) -> Axis:
+def line_axis(x: int, y: int, square: Axis = Axis.SQUARE) -> Axis:
     """Return the axis that the ZD-065 counts on for a line along (x, y): the longer, y at a tie.
 
-    >>> line_axis(17, 5).name, line_axis(3, 3).name
-    ('X', 'Y')
+    With ``Axis.SQUARE_X`` x at a tie.
+
+    >>> line_axis(17, 5).name, line_axis(3, 3).name, line_axis(3, 3, Axis.SQUARE_X).name
+    ('X', 'Y', 'X')
     """
+    if abs(x) == abs(y):
+        return Axis.X if square == Axis.SQUARE_X else Axis.Y
     return Axis.X if abs(x) > abs(y) else Axis.Y
+
+
+def _x_first(x: int, y: int, table: LineTable) -> bool:
+    """Return whether F >= 0 steps a sloping line along x; see `LineTable`."""
+    return {
+        LineTable.MIRROR: True,
+        LineTable.MIRROR_EXCHANGED: False,
+        LineTable.ROTATE: x * y > 0,
+        LineTable.ROTATE_EXCHANGED: x * y < 0,
+    }[table]
 
 
 def line_steps(
@@ -53,9 +67,9 @@ def line_steps(
     """Step along the line with direction (x, y) until ``count`` steps on ``axis`` are made.
 
     (x, y) is a ratio: only its quadrant and the rule of F use it. F = 0 at the start. F >= 0: a
-    step along x, F' = F - |y|; F < 0: a step along y, F' = F + |x|. `LineTable.ROTATE` turns the
-    table of quadrant 1, so that x and y change places in quadrants 2 and 4. An axis on which the
-    line has no length is never stepped. ``Axis.SQUARE`` counts on `line_axis`.
+    step along x, F' = F - |y|; F < 0: a step along y, F' = F + |x|. Where the `LineTable` steps y
+    at F >= 0, x and y change places in this. An axis on which the line has no length is never
+    stepped. ``Axis.SQUARE`` and ``SQUARE_X`` count on `line_axis`.
 
     Raises:
         ValueError: the line would never end, or ``count`` is negative.
@@ -65,11 +79,11 @@ def line_steps(
     >>> [s.f for s in line_steps(6, 4, Axis.X, 6)]
     [-4, 2, -2, 4, 0, -4, 2, -2, 4, 0]
     """
-    if axis == Axis.SQUARE:
-        axis = line_axis(x, y)
+    if axis in (Axis.SQUARE, Axis.SQUARE_X):
+        axis = line_axis(x, y, axis)
     if count < 0 or (count > 0 and (x if axis == Axis.X else y) == 0):
         raise ValueError(f"line ({x}, {y}) never ends on {count} steps along {Axis(axis).name}")
-    swapped = table == LineTable.ROTATE and x * y < 0
+    swapped = not _x_first(x, y, table)
     f = px = py = 0
     while count > 0:
         along_x = y == 0 if x * y == 0 else (f >= 0) != swapped
@@ -132,7 +146,7 @@ def arc_steps(x: int, y: int, turn: int, axis: Axis, count: int) -> Iterator[Ste
     in this quadrant and sense; F < 0: outwards along the other. On an axis the quadrant changes
     and F carries on. ``turn`` is +1 counter-clockwise (NR), -1 clockwise (SR). With
     ``Axis.SQUARE`` a y step counts where |x| > |y| before it, an x step where |x| < |y|, and a y
-    step at a tie.
+    step at a tie; with ``Axis.SQUARE_X`` an x step at a tie.
 
     Raises:
         ValueError: R0^2 < 2 (the path would step onto its centre), or ``count`` is negative.
@@ -150,6 +164,8 @@ def arc_steps(x: int, y: int, turn: int, axis: Axis, count: int) -> Iterator[Ste
         along, sign = inwards if f >= 0 else outwards
         if axis == Axis.SQUARE:
             counted = along == (Axis.X if abs(x) < abs(y) else Axis.Y)
+        elif axis == Axis.SQUARE_X:
+            counted = along == (Axis.X if abs(x) <= abs(y) else Axis.Y)
         else:
             counted = along == axis
         if along == Axis.X:

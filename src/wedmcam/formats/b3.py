@@ -37,17 +37,17 @@ def instruction(turn: NDArray[np.integer], quadrant: NDArray[np.integer]) -> NDA
 def line_axis(x: NDArray[np.int64], y: NDArray[np.int64], table: LineTable) -> NDArray[np.uint8]:
     """Return G of lines along (x, y): the larger of |x|, |y| [S].
 
-    At 45 degrees only one axis ends the line exactly, and which one depends on the controller's
-    line table [M]: rotated, GY in quadrants 1 and 3 and GX in 2 and 4, which is the published tie
-    rule [S]; mirrored, GY everywhere.
+    At 45 degrees only the axis that is not stepped first ends the line exactly, and which one that
+    is depends on the controller's line table [M]: rotated, GY in quadrants 1 and 3 and GX in 2 and
+    4, which is the published tie rule [S]; mirrored, GY everywhere.
 
     >>> x, y = np.array([17, 3, -3, 3]), np.array([5, 3, 3, -3])
     >>> line_axis(x, y, LineTable.ROTATE).tolist(), line_axis(x, y, LineTable.MIRROR).tolist()
     ([0, 1, 0, 0], [0, 1, 1, 1])
     """
     wide, tie = abs(x) > abs(y), abs(x) == abs(y)
-    if table == LineTable.ROTATE:
-        wide = wide | (tie & ((x < 0) != (y < 0)))
+    if table != LineTable.MIRROR:
+        wide = wide | (tie & ~table.x_first(x, y))
     return np.where(wide, np.uint8(Axis.X), np.uint8(Axis.Y))
 
 

@@ -25,8 +25,15 @@ def decoder(format_: str) -> Callable[..., Any]:
     Raises:
         KeyError: no reader has this name.
 
-    >>> decoder("compact").__module__
-    'wedmcam.frontends.compact'
+    It reads programs in the frame of the controller and returns them in that of the drawing.
+
+    >>> from wedmcam.machines import default
+    >>> program, found = decoder("compact")(bytes.fromhex("01 017000 005000 00"),
+    ...                                     default("compact"), "a.zd")
+    >>> program.blocks["x"].tolist(), found
+    ([17000, 0], [])
     """
-    decode: Callable[..., Any] = import_module(DECODERS[format_]).decode
+    from wedmcam.frontends.axes import in_frame
+
+    decode: Callable[..., Any] = in_frame(import_module(DECODERS[format_]).decode)
     return decode

@@ -25,7 +25,7 @@ class Row:
         instruction: L1 .. L4, NR1 .. NR4, SR1 .. SR4; empty for control records.
         x: um, signed: direction of a line, start of an arc from its centre; None for controls.
         y: likewise.
-        axis: X, Y or SQUARE; empty for controls.
+        axis: X, Y or SQUARE (SQUARE_X with exchanged axes); empty for controls.
         count: J, um; None for controls.
         end: where the machine stands after the block, um, from where the program starts.
         steps: how many steps it makes; -1 for a block that no controller can run.
@@ -64,7 +64,7 @@ def dump(program: Program, machine: Machine) -> Iterator[Row]:
     from wedmcam.controller import run
 
     blocks = program.blocks
-    motion = run(blocks, LineTable(machine.line_table))
+    motion = run(blocks, LineTable(machine.table))
     end_x = np.cumsum(motion.dx) + program.origin[0]
     end_y = np.cumsum(motion.dy) + program.origin[1]
     quadrant = quadrants.quadrant(blocks["x"], blocks["y"], blocks["turn"])

@@ -61,8 +61,8 @@ def recomputed_ends(blocks: NDArray[np.void]) -> Recomputed:
     dx, dy = np.zeros(len(blocks), np.int64), np.zeros(len(blocks), np.int64)
     sweep = np.zeros(len(blocks))
 
-    arc = np.flatnonzero((kind == Kind.ARC) & (axis != Axis.SQUARE))
-    sweep[(kind == Kind.ARC) & (axis == Axis.SQUARE)] = np.nan
+    arc = np.flatnonzero((kind == Kind.ARC) & (axis < Axis.SQUARE))
+    sweep[(kind == Kind.ARC) & (axis >= Axis.SQUARE)] = np.nan
     if len(arc):
         ex, ey, turned = _arc_ends(x[arc], y[arc], turn[arc], axis[arc] == Axis.X, count[arc])
         dx[arc] = ex - blocks["x"][arc]

@@ -13,7 +13,7 @@ from importlib.resources import files
 from pathlib import PurePath
 
 from wedmcam.diag import Diagnostic, TextSpan, error
-from wedmcam.machines.machine import Iso, Layout, Limits, Machine, Words
+from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.profile import parse
 
 #: The profile of a format when none is named.
@@ -94,6 +94,7 @@ def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
 
 __all__ = [
     "DEFAULTS",
+    "Axes",
     "Iso",
     "Layout",
     "Limits",

@@ -105,6 +105,46 @@ class Iso:
 
 
 @dataclass(frozen=True, slots=True)
+class Axes:
+    """How the axes of the drawing lie on those of the controller.
+
+    A place (x, y) of the drawing is first mirrored, then exchanged: mirror_x makes it (-x, y),
+    mirror_y (x, -y), exchange then (y, x). So mirrors speak of the drawing's axes: with exchange
+    and mirror_x the drawing's x runs along -Y of the controller, and its y along X. One mirror or
+    an exchange alone turns the sense of arcs around; two of them are a rotation and do not.
+
+    Programs, their limits, travel and 45 degree lines are in the controller's frame; all reports,
+    pictures and drawings in the frame of the drawing.
+
+    Attributes:
+        exchange: the drawing's x lies along the controller's Y, and its y along X.
+        mirror_x: what goes towards +x in the drawing goes towards minus at the machine.
+        mirror_y: likewise for y.
+    """
+
+    exchange: bool = False
+    mirror_x: bool = False
+    mirror_y: bool = False
+
+    @property
+    def plain(self) -> bool:
+        """Whether drawing and controller have one frame."""
+        return not (self.exchange or self.mirror_x or self.mirror_y)
+
+    @property
+    def said(self) -> str:
+        """What is done to the axes, for people; empty for nothing.
+
+        >>> Axes(exchange=True, mirror_x=True).said
+        'x mirrored, then x and y exchanged'
+        """
+        mirrored = [name for name, on in (("x", self.mirror_x), ("y", self.mirror_y)) if on]
+        words = [f"{' and '.join(mirrored)} mirrored"] if mirrored else []
+        words += ["x and y exchanged"] if self.exchange else []
+        return ", then ".join(words)
+
+
+@dataclass(frozen=True, slots=True)
 class Machine:
     """One controller or dialect.
 
@@ -113,12 +153,14 @@ class Machine:
         title: one line for people.
         format: what programs are written in and read as.
         line_table: which axis a line steps first outside quadrants 1 and 3, and with it on which
-            axis a 45 degree line is counted: see `ir.program.LineTable`.
+            axis a 45 degree line is counted: see `ir.program.LineTable`. In the controller's own
+            frame; `table` is how it looks from the drawing.
         count: ``exact``: J by running the interpolator; ``textbook``: J by geometry.
         limits: see `Limits`.
         words: see `Words`; used by 3B.
         layout: see `Layout`; used by 3B and, as far as it fits, by ISO.
         iso: see `Iso`; used by ISO.
+        axes: see `Axes`.
     """
 
     name: str
@@ -130,6 +172,24 @@ class Machine:
     words: Words = field(default_factory=Words)
     layout: Layout = field(default_factory=Layout)
     iso: Iso = field(default_factory=Iso)
+    axes: Axes = field(default_factory=Axes)
+
+    @property
+    def table(self) -> str:
+        """The line table as it looks from the drawing: a value of `ir.program.LineTable`.
+
+        >>> from dataclasses import replace
+        >>> from wedmcam.machines import builtin
+        >>> classic = builtin("b3-compact")
+        >>> classic.table, replace(classic, axes=Axes(mirror_y=True)).table
+        ('rotate', 'rotate-exchanged')
+        """
+        a = self.axes
+        if self.line_table == "mirror":  # every quadrant alike: mirrors change nothing
+            turned = a.exchange
+        else:  # quadrants 1 and 3 change places with 2 and 4 at every mirror, x with y at exchange
+            turned = a.exchange ^ a.mirror_x ^ a.mirror_y
+        return f"{self.line_table}-exchanged" if turned else self.line_table
 
     @property
     def binary(self) -> bool:

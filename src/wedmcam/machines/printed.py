@@ -59,6 +59,16 @@ def meanings(of: type) -> dict[str, str]:
     return found
 
 
+def about(of: type) -> list[str]:
+    """Return the paragraphs of a dataclass's docstring between its first line and its attributes.
+
+    >>> about(model.Axes)[1][:36]
+    'Programs, their limits, travel and 4'
+    """
+    text = (inspect.getdoc(of) or "").partition("Attributes:\n")[0]
+    return [" ".join(re.sub("`+", "", p).split()) for p in text.split("\n\n")[1:] if p.strip()]
+
+
 def section_types() -> dict[str, type]:
     """Return section -> the dataclass that holds it; the top is the machine itself."""
     hints = Machine.__annotations__

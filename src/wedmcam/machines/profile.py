@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
-from wedmcam.machines.machine import Iso, Layout, Limits, Machine, Words
+from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso")
 _BINARY = FORMATS[1:4]
@@ -67,6 +67,7 @@ _WORD = _Key(
     lambda v: v != "B" and bool(re.fullmatch("[A-Z]{1,8}", v)),
     formats=_B3,
 )
+_FLAG = _Key(bool, "true or false", lambda v: True)
 _LINES = _Key(
     list,
     "a list of lines that start with a semicolon or are rows of * or %",
@@ -92,6 +93,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "blocks": _whole(1, _UM, formats=_READABLE),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
     },
+    "axes": {"exchange": _FLAG, "mirror_x": _FLAG, "mirror_y": _FLAG},
     "words": {"pause": _WORD, "stop": _WORD, "end": _WORD},
     "layout": {
         "after_b": _BLANKS,
@@ -273,6 +275,7 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
             words=words,
             layout=Layout(**layout),
             iso=Iso(**tables["iso"]),
+            axes=Axes(**tables["axes"]),
         ),
         [],
     )

@@ -29,11 +29,12 @@ class Rules:
 
     Attributes:
         square: arcs count on the inscribed square, not on an axis.
-        table: the line table of the other controller.
+        table: the line table of the other controller, as it looks from the drawing.
         count_um: largest J. line_um: largest component of a line.
         words: a pattern of the bare control words that are kept; empty for none.
         pairs: a line alone between two pauses would be read as a move.
         turns: a block may hold more than a turn.
+        square_axis: how the square counts at a tie, `Axis` SQUARE or SQUARE_X.
         end: there is a record for the end of the file beside that for the end of cutting.
     """
 
@@ -45,6 +46,7 @@ class Rules:
     pairs: bool
     end: bool
     turns: bool = True
+    square_axis: Axis = Axis.SQUARE
 
 
 def carry(
@@ -189,8 +191,8 @@ def _with_arcs(
     the one before that does, and a line of a micron or two goes on to the end. The path comes by an
     end once a turn: what ``steps`` go beyond that are whole turns.
     """
-    end = arc_end(sx, sy, out.turn[rows], sx + dx, sy + dy)
-    whole = arc_end(sx, sy, out.turn[rows], sx, sy)
+    end = arc_end(sx, sy, out.turn[rows], sx + dx, sy + dy, rules.square_axis)
+    whole = arc_end(sx, sy, out.turn[rows], sx, sy, rules.square_axis)
     turns = np.where(end.landed, (steps - end.steps) // np.maximum(whole.steps, 1), 0)
     out.x[rows], out.y[rows] = sx, sy
     if not rules.square:
@@ -199,14 +201,14 @@ def _with_arcs(
         out.count[rows] = np.where(end.last_axis == Axis.X, x, y)
         return out
     square = end.count_square + turns * whole.count_square
-    out.axis[rows], out.count[rows] = int(Axis.SQUARE), square
+    out.axis[rows], out.count[rows] = int(rules.square_axis), square
     short = ~end.square_counts
     if not short.any():
         return out
     cut = np.zeros(int(short.sum()), BLOCK)
     for name, values in (("x", sx), ("y", sy), ("count", square)):
         cut[name] = values[short]
-    cut["kind"], cut["turn"], cut["axis"] = Kind.ARC, out.turn[rows][short], Axis.SQUARE
+    cut["kind"], cut["turn"], cut["axis"] = Kind.ARC, out.turn[rows][short], rules.square_axis
     there = run(cut, rules.table)
     rest_x, rest_y = dx[short] - there.dx, dy[short] - there.dy
     axis, count = line_count(rest_x, rest_y, rules.table)
@@ -242,9 +244,7 @@ def line_count(dx: Ints, dy: Ints, table: LineTable) -> tuple[Ints, Ints]:
     [1, 0]
     """
     ax, ay = abs(dx), abs(dy)
-    odd = (dx > 0) == (dy > 0)
-    tie_y = odd if table == LineTable.ROTATE else np.ones(len(ax), dtype=bool)
-    on_y = (ay > ax) | ((ay == ax) & tie_y)
+    on_y = (ay > ax) | ((ay == ax) & table.x_first(dx, dy))
     return np.where(on_y, int(Axis.Y), int(Axis.X)), np.where(on_y, ay, ax)
 
 

@@ -45,13 +45,15 @@ class Target:
 
     Attributes:
         square: arcs count on the inscribed square (compact format), not on an axis.
-        table: the controller's line table.
+        square_axis: how that square counts at a tie, `Axis` SQUARE or SQUARE_X.
+        table: the controller's line table, as it looks from the drawing.
         count_um: largest J. line_um: largest line component. arc_um: largest arc coordinate and
             radius.
         textbook: J by geometry, for controllers that recompute the ends of arcs.
     """
 
     square: bool = False
+    square_axis: Axis = Axis.SQUARE
     table: LineTable = LineTable.ROTATE
     count_um: int = 999_999
     line_um: int = 999_999
@@ -317,6 +319,7 @@ def _try_arcs(s: _State, target: Target, budget: Budget) -> None:
         target.arc_um,
         target.count_um,
         textbook=target.textbook,
+        square=target.square_axis,
     )
     _take(s, rows, got)
     flat = ~got.ok & _flat(s, rows)
@@ -445,6 +448,7 @@ def _pair_costs(
             target.arc_um,
             target.count_um,
             textbook=target.textbook,
+            square=target.square_axis,
         )
         arc_cost = np.where(got.ok, got.cost, np.inf)
         # A flat arc may be a line, but better not.
@@ -501,7 +505,7 @@ def _blocks(
     blocks["x"] = np.where(arc, s.ax, dx)
     blocks["y"] = np.where(arc, s.ay, dy)
     axis, count = _line_count(dx, dy, target)
-    arc_axis = np.full(len(a), int(Axis.SQUARE)) if target.square else s.axis
+    arc_axis = np.full(len(a), int(target.square_axis)) if target.square else s.axis
     blocks["axis"] = np.where(arc, arc_axis, axis)
     blocks["count"] = np.where(arc, s.square if target.square else s.count, count)
     blocks["role"], blocks["source"], blocks["cut"] = s.role, s.source, s.cut
@@ -572,12 +576,7 @@ def _never_alone(body: NDArray[np.void], target: Target) -> NDArray[np.void]:
 
 
 def _line_count(dx: Ints, dy: Ints, target: Target) -> tuple[Ints, Ints]:
-    """Return (axis, J) of lines: along the longer side; at a tie where the table ends exactly.
-
-    Ties: GY in quadrants 1 and 3, GX in 2 and 4 (table ROTATE); along y (table MIRROR).
-    """
+    """Return (axis, J) of lines: along the longer side; at a tie where the table ends exactly."""
     ax, ay = np.abs(dx), np.abs(dy)
-    odd = (dx > 0) == (dy > 0)
-    tie_y = odd if target.table == LineTable.ROTATE else np.ones(len(ax), bool)
-    on_y = (ay > ax) | ((ay == ax) & tie_y)
+    on_y = (ay > ax) | ((ay == ax) & target.table.x_first(dx, dy))
     return np.where(on_y, int(Axis.Y), int(Axis.X)), np.where(on_y, ay, ax)

@@ -171,11 +171,12 @@ def fit_arcs(
     count_limit: int,
     *,
     textbook: bool = False,
+    square: Axis = Axis.SQUARE,
 ) -> Arcs:
     """Return for each true arc t the best stepped arc from (sx, sy) to (ex, ey), whole um.
 
     start == end is a full turn. ``textbook``: J by geometry, for controllers that recompute the end
-    from it; the end must come out of that computation.
+    from it; the end must come out of that computation. ``square``: its rule at a tie.
     """
     n = len(sx)
     best = Arcs(
@@ -187,7 +188,16 @@ def fit_arcs(
         rows = slice(first, first + 4096)
         part = Ideal(*(getattr(t, name)[rows] for name in Ideal.__slots__))
         found = _fit_piece(
-            part, sx[rows], sy[rows], ex[rows], ey[rows], budget, arc_limit, count_limit, textbook
+            part,
+            sx[rows],
+            sy[rows],
+            ex[rows],
+            ey[rows],
+            budget,
+            arc_limit,
+            count_limit,
+            textbook,
+            square,
         )
         for name in Arcs.__slots__:
             getattr(best, name)[rows] = getattr(found, name)
@@ -204,6 +214,7 @@ def _fit_piece(
     arc_limit: int,
     count_limit: int,
     textbook: bool,
+    square_axis: Axis,
 ) -> Arcs:
     n = len(sx)
     cx, cy = _centres(t, sx, sy, ex, ey)
@@ -221,7 +232,7 @@ def _fit_piece(
         square, steps = np.zeros_like(count), np.zeros_like(count)
         usable &= landed & (count <= count_limit)
     else:
-        end = arc_end(x, y, turn, fx, fy)
+        end = arc_end(x, y, turn, fx, fy, square_axis)
         axis = end.last_axis
         count = np.where(axis == Axis.X, end.count_x, end.count_y)
         square, steps = end.count_square, end.steps

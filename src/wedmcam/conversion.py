@@ -29,13 +29,19 @@ if TYPE_CHECKING:
 #: How far the two step paths may be apart, um.
 WITHIN_UM = 1.0
 
+#: In how many parts an arc is written in the part language, at most.
+MOST_PIECES = 16
+#: How many times a part program is written anew because of an arc.
+TRIES = 40
+
 #: Targets that are no program format -> "module:function"; named and not imported.
 TARGETS: dict[str, str] = {
     "svg": "wedmcam.conversion:as_svg",
     "dxf": "wedmcam.backends.dxf:converted",
+    "wed": "wedmcam.conversion:as_wed",
 }
 #: Endings of their names.
-SUFFIXES: dict[str, str] = {".svg": "svg", ".dxf": "dxf"}
+SUFFIXES: dict[str, str] = {".svg": "svg", ".dxf": "dxf", ".wed": "wed"}
 
 Target = Callable[[Program, Machine, str], tuple[bytes, list[Diagnostic]]]
 
@@ -196,17 +202,19 @@ def between(
         return None, made, None, found
     apart = difference(program, made, table, LineTable(machine.table), WITHIN_UM)
     if not apart.equal:
-        far = f"{apart.distance_um:.2f} um apart" if apart.distance_um < 1e9 else apart.what
-        found.append(
-            error(
-                "conversion-differs",
-                f"the {machine.format} program would not step the path of the first: {far} in "
-                f"block {apart.block_a} of the first and {apart.block_b} of the other",
-                _span_of(program, apart.block_a),
-                hint="write another format; wedmcam dump shows the block",
-            )
-        )
+        found.append(_differs(machine.format, program, apart))
     return (data if apart.equal else None), made, apart, found
+
+
+def _differs(what: str, program: Program, apart: Difference) -> Diagnostic:
+    far = f"{apart.distance_um:.2f} um apart" if apart.distance_um < 1e9 else apart.what
+    return error(
+        "conversion-differs",
+        f"the {what} program would not step the path of the first: {far} in "
+        f"block {apart.block_a} of the first and {apart.block_b} of the other",
+        _span_of(program, apart.block_a),
+        hint="write another format; wedmcam dump shows the block",
+    )
 
 
 def _span_of(program: Program, block: int) -> Any:
@@ -242,3 +250,41 @@ def as_svg(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
         program, starts, ends, title=Path(name).name, facts={"profile": machine.name}
     )
     return picture.encode("utf-8"), []
+
+
+def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
+    """Return source text in the part language, proven to compile to the same step path.
+
+    It is compiled for the machine that the program was read for; for a format that is no cutting
+    program (rotation, compensation) for the ZD-065's own. An arc that comes out too far from what
+    the first program steps is written in more parts.
+    """
+    import numpy as np
+
+    from wedmcam import api
+    from wedmcam.backends.wed import source
+    from wedmcam.judge.difference import difference
+
+    own = machine
+    if machine.format in ("rotation", "compensation"):
+        own = api.machine_for("compact", None)
+    tables = LineTable(machine.table), LineTable(own.table)
+    pieces = np.ones(len(program.blocks), np.int64)
+    for last in (False,) * TRIES + (True,):
+        data, found = source(program, machine, name, pieces)
+        if has_errors(found):
+            return b"", found
+        made = api.compile(data, profile=own, name=f"{Path(name).name}.wed")
+        if not made.ok or made.program is None:
+            why = next(d for d in made.findings if d.severity is Severity.ERROR)
+            text = f"the part program made of this program does not compile: {why.message}"
+            hint = "convert to .dxf, which takes any path"
+            return b"", [*found, error("conversion-differs", text, hint=hint)]
+        apart = difference(program, made.program, *tables, WITHIN_UM)
+        if apart.equal:
+            return data, found
+        i = apart.block_a - 1
+        if last or not program.blocks["turn"][i] or pieces[i] >= MOST_PIECES:
+            return b"", [*found, _differs("part", program, apart)]
+        pieces[i] *= 2
+    raise AssertionError  # the last try returns

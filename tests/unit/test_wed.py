@@ -363,3 +363,40 @@ def test_the_reference_has_every_word_of_the_grammar():
     words = set(re.findall(r'"([a-z]+)"', grammar))
     assert len(words) > 35
     assert not [w for w in words if not re.search(rf"\b{w}\b", reference)]
+
+
+BOX = """contour box { from (0, 0) line to (20, 0) line to (20, 10) line to (0, 10) close }
+"""
+
+
+def planned(text):
+    made = wedmcam.compile((BOX + text).encode(), name="box.wed")
+    assert made.ok, [d.message for d in made.findings]
+    return made
+
+
+@pytest.mark.parametrize("start", ["start (-3, 2)", "lead 3", "start (-1, 9) lead 7"])
+def test_enter_says_where_the_lead_arrives(start):
+    cut = planned(f"cut box outside offset 0.1 {start} enter (0, 7)").plan.cuts[0]
+    first = cut.path.vertices[0]
+    assert (first["x"], first["y"]) == pytest.approx((-100, 7000))
+    if "start" not in start:
+        assert cut.thread == (-3100, 7000)
+
+
+def test_enter_and_overcut_say_their_mistakes():
+    both = "cut box | translate (40, 0) copies 1 outside offset 0.1 enter (0, 7)"
+    made = wedmcam.compile((BOX + both).encode(), name="box.wed")
+    assert [d.message for d in made.findings if d.code == "wed-value"] == [
+        "'enter' is for one contour; this figure has 2"
+    ]
+    line = "contour l { from (0, 0) line to (5, 0) } cut l on start (0, 0) overcut 1"
+    made = wedmcam.compile(line.encode(), name="l.wed")
+    assert "an overcut is for closed contours" in made.findings[0].message
+
+
+def test_overcut_of_a_cut_wins_over_the_option():
+    cut = "cut box outside offset 0.1 overcut 0.5"
+    made = wedmcam.compile((BOX + cut).encode(), name="box.wed", overcut=2)
+    assert made.ok
+    assert made.plan.cuts[0].overcut_um == 500

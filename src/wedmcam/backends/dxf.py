@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.backends.contours import Stretch, stretches
 from wedmcam.controller import run
 from wedmcam.diag import Diagnostic
 from wedmcam.ir.program import Kind, LineTable, Program
@@ -61,8 +62,9 @@ def _written(program: Program, machine: Machine) -> bytes:
     motion = run(program.blocks, LineTable(machine.table))
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])
-    layers = layers_of(program.blocks, starts, ends)
-    threads, stops = _points(program, starts, ends)
+    found = stretches(program.blocks, starts, ends)
+    layers = _layers_of(program.blocks, found)
+    threads, stops = _points(found, starts, ends)
     for layer, places in (("START", threads), ("STOP", stops)):
         for x, y in places:
             space.add_point((x / 1000, y / 1000), dxfattribs={"layer": layer})
@@ -116,69 +118,23 @@ def _add_arc(
     )
 
 
-def _cuts(blocks: NDArray[np.void]) -> list[Ints]:
-    """Return the cutting blocks of each contour: what lies between two moves."""
-    kinds = blocks["kind"]
-    cut = np.flatnonzero(kinds < Kind.MOVE)
-    number = np.cumsum(kinds == Kind.MOVE)[cut]
-    return [cut[number == n] for n in np.unique(number)]
-
-
 def _points(
-    program: Program, starts: Ints, ends: Ints
+    found: list[Stretch], starts: Ints, ends: Ints
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
-    """Return thread points (where a contour begins) and stops (pauses within a contour)."""
+    """Return thread points (where a stretch begins) and stops (pauses within it)."""
     threads, stops = [], []
-    kinds = program.blocks["kind"]
-    for rows in _cuts(program.blocks):
-        threads.append((int(starts[rows[0]][0]), int(starts[rows[0]][1])))
-        within = np.arange(rows[0], rows[-1])
-        for i in within[kinds[within] == Kind.PAUSE].tolist():
-            stops.append((int(ends[i][0]), int(ends[i][1])))
+    for one in found:
+        first = one.lead_in[0] if len(one.lead_in) else one.path[0]
+        threads.append((int(starts[first][0]), int(starts[first][1])))
+        stops += [(int(ends[i][0]), int(ends[i][1])) for i in one.pauses]
     return threads, stops
 
 
-def layers_of(blocks: NDArray[np.void], starts: Ints, ends: Ints) -> list[str]:
-    """Return the layer of each block, told from the path alone: a decoded program knows no roles.
-
-    A lead is straight, and run back the same way at the end of the contour. Past the point where
-    the contour closed, what is run there and back is overcut.
-    """
+def _layers_of(blocks: NDArray[np.void], found: list[Stretch]) -> list[str]:
+    """Return the layer of each block."""
     layers = ["MOVE" if k == Kind.MOVE else "CUT" for k in blocks["kind"].tolist()]
-    for rows in _cuts(blocks):
-        leads = _leads(blocks, rows, starts, ends)
-        for k in range(leads):
-            layers[rows[k]] = layers[rows[-1 - k]] = "LEAD"
-        path = rows[leads : len(rows) - leads]
-        if not leads or len(path) < 2:
-            continue
-        home = (ends[path] == starts[path[0]]).all(axis=1)
-        closed = int(np.argmax(home)) + 1
-        over = path[closed:]
-        half = len(over) // 2
-        back = over[half:][::-1]
-        there_and_back = len(over) % 2 == 0 and (ends[over[:half]] == starts[back]).all()
-        if home.any() and half and there_and_back:
-            for i in over.tolist():
-                layers[i] = "OVERCUT"
+    for one in found:
+        for name, rows in (("LEAD", one.lead_in), ("LEAD", one.lead_out), ("OVERCUT", one.overcut)):
+            for i in rows.tolist():
+                layers[i] = name
     return layers
-
-
-def _leads(blocks: NDArray[np.void], rows: Ints, starts: Ints, ends: Ints) -> int:
-    """Return how many blocks at the start of a contour are a lead; as many at its end go back."""
-    way = ends[rows[0]] - starts[rows[0]]
-    count = 0
-    while 2 * count + 1 < len(rows):
-        i, j = rows[count], rows[-1 - count]
-        there, back = ends[i] - starts[i], ends[j] - starts[j]
-        straight = blocks["kind"][i] == Kind.LINE and blocks["kind"][j] == Kind.LINE
-        same = (ends[i] == starts[j]).all() and (starts[i] == ends[j]).all()
-        # Pieces of one line agree within the micron that each end is rounded to.
-        bend = abs(int(way[0]) * int(there[1]) - int(way[1]) * int(there[0]))
-        room = 2.0 * (np.hypot(*way) + np.hypot(*there))
-        if not (straight and same and (there == -back).all() and bend <= room):
-            break
-        if int(way @ there) <= 0:
-            break
-        count += 1
-    return count

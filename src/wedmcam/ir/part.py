@@ -35,6 +35,9 @@ class CutItem:
         start: thread point (x, y), and where it is written.
         stop: how far before the end the machine pauses.
         lead: length of a lead where there is no thread point.
+        enter: the lead arrives at the point of the wire path nearest to this (x, y), and where that
+            is written.
+        overcut: how far the path is cut past its start.
     """
 
     name: str
@@ -46,6 +49,8 @@ class CutItem:
     start: tuple[float, float, TextSpan] | None = None
     stop: float | None = None
     lead: float | None = None
+    enter: tuple[float, float, TextSpan] | None = None
+    overcut: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

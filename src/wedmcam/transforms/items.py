@@ -47,6 +47,7 @@ class Worked:
     item: CutItem
     figure: tuple[Contour, ...]
     start: ThreadPoint | None
+    enter: ThreadPoint | None = None
 
 
 def worked(
@@ -70,16 +71,15 @@ def worked(
         figure = made[key]
         if figure is None:
             continue
-        start = None if item.start is None else ThreadPoint(*item.start)
+        spots = tuple(ThreadPoint(*p) for p in (item.start, item.enter) if p is not None)
         if more:
-            points = () if start is None else (start,)
-            moved, problems = figures.transformed(figure, Stages(tuple(more)), ar, points)
+            moved, problems = figures.transformed(figure, Stages(tuple(more)), ar, spots)
             found += problems
             if moved is None:
                 continue
             figure, spots = moved
-            start = spots[0] if spots else None
-        out.append(Worked(item, figure, start))
+        start = None if item.start is None else spots[0]
+        out.append(Worked(item, figure, start, None if item.enter is None else spots[-1]))
     return (None if has_errors(found) else tuple(out)), found
 
 
@@ -199,6 +199,15 @@ def _pieces(
         found.append(
             error("wed-value", "a stop is for closed contours; this one is open", item.span)
         )
+    if item.overcut and not all(c.closed for c in figure):
+        found.append(
+            error("wed-value", "an overcut is for closed contours; this one is open", item.span)
+        )
+    if w.enter is not None and len(figure) > 1:
+        text = f"'enter' is for one contour; this figure has {len(figure)}"
+        found.append(
+            error("wed-value", text, w.enter.span, hint="cut each with an enter of its own")
+        )
     if corner:
         figure, problems = round_corners(figure, corner, ar)
         found += problems
@@ -297,9 +306,11 @@ def _lanes(
     """Return the wire paths of a scene, each in the direction of its contour."""
     contours = [p.contour for p in scene]
     lengths = [cuts[p.cut].item.lead for p in scene]
+    enters = [None if (e := cuts[p.cut].enter) is None else (e.x, e.y) for p in scene]
     if not any(p.shift for p in scene):
         return [
-            Lane(c, c, None, 0.0, k, nesting.parents[k], lengths[k]) for k, c in enumerate(contours)
+            Lane(c, c, None, 0.0, k, nesting.parents[k], lengths[k], enters[k])
+            for k, c in enumerate(contours)
         ], []
     shifts = [p.shift for p in scene]
     result, found = compensate(contours, shifts, arithmetic=ar, sharp=options.sharp)
@@ -324,7 +335,9 @@ def _lanes(
     for p in result.paths:
         k = p.outline
         left = scene[k].shift > 0 if sided else None
-        lane = Lane(p.path, contours[k], left, abs(shifts[k]), k, nesting.parents[k], lengths[k])
+        lane = Lane(
+            p.path, contours[k], left, abs(shifts[k]), k, nesting.parents[k], lengths[k], enters[k]
+        )
         if options.reverse and cuts[scene[k].cut].item.side in ("inside", "outside"):
             lane = replace(
                 lane,
@@ -365,7 +378,8 @@ def _led(
         closed = one.path.closed
         stop = item.stop if item.stop is not None else options.stop_um
         found += _too_long(one.path, stop if closed else 0.0, "stop", item.span)
-        found += _too_long(one.path, options.overcut_um if closed else 0.0, "overcut", item.span)
+        over = item.overcut if item.overcut is not None else options.overcut_um
+        found += _too_long(one.path, over if closed else 0.0, "overcut", item.span)
         cut = Cut(
             lane.outline,
             one.path,
@@ -373,7 +387,7 @@ def _led(
             nesting.depths[lane.contour],
             None if lane.scrap_left is None else not lane.scrap_left,
             stop if closed else 0.0,
-            options.overcut_um if closed else 0.0,
+            over if closed else 0.0,
             base + lane.contour + 1,
         )
         out.append((scene[lane.contour].cut, cut))

@@ -40,6 +40,8 @@ class Lane:
         contour: number of the outline; several paths may share one.
         parent: number of the outline directly around it, -1 for none.
         lead_um: length of a lead that nobody stated; None for the usual one.
+        enter: where the lead arrives: at the point of the path nearest to this, um; None for the
+            point nearest to the thread point.
     """
 
     path: Contour
@@ -49,6 +51,7 @@ class Lane:
     contour: int = 0
     parent: int = -1
     lead_um: float | None = None
+    enter: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +117,9 @@ def lead(
         return None, found
     result = _chosen(scene, [k for k in range(len(lanes)) if k not in served], lead_um)
     for number, thread in served.items():
-        result[number] = Led(_started(lanes[number].path, thread), thread)
+        lane = lanes[number]
+        arrives = thread if lane.enter is None else lane.enter
+        result[number] = Led(_started(lane.path, arrives), thread)
     ordered = [result[k] for k in range(len(lanes))]
     return ordered, _collisions(scene, ordered, spans)
 
@@ -220,19 +225,23 @@ def _encloses(outline: Contour, x: Floats, y: Floats) -> bool:
 # --- the start of a path -------------------------------------------------------------------------
 
 
-def _started(path: Contour, thread: tuple[int, int]) -> Contour:
-    """Return the path starting at its point nearest to ``thread``; an open one at its nearer end.
-
-    Ties: the lowest, then the leftmost point.
-    """
+def _started(path: Contour, at: tuple[float, float]) -> Contour:
+    """Return the path starting at its point nearest to ``at``; an open one at its nearer end."""
     v = path.vertices
-    x, y = float(thread[0]), float(thread[1])
     if not path.closed:
-        ends = np.hypot(v["x"][[0, -1]] - x, v["y"][[0, -1]] - y)
+        ends = np.hypot(v["x"][[0, -1]] - at[0], v["y"][[0, -1]] - at[1])
         return path if ends[0] <= ends[1] else path.reversed()
     s = seg.of_rows(path.starts, path.ends)
+    return _rotated(path, s, *_nearest(s, *at))
+
+
+def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
+    """Return the segment nearest to (x, y), and how far along it the nearest point lies, um.
+
+    Ties: the lowest, then the leftmost point, then the first segment.
+    """
     n = len(s)
-    px, py = np.full(n, x), np.full(n, y)
+    px, py = np.full(n, float(x)), np.full(n, float(y))
     distance = seg.distances(s, px, py)
     at = np.clip(seg.position_of(s, px, py), 0.0, s.length)
     # From the centre of an arc every point is nearest: take the one towards +x, else its start.
@@ -242,8 +251,9 @@ def _started(path: Contour, thread: tuple[int, int]) -> Contour:
         at = np.where(centred, np.where(east <= s.sweep, east * s.radius, 0.0), at)
     qx, qy = seg.points_at(s, at)
     tied = np.flatnonzero(distance <= distance.min() + TIE_UM)
-    best = int(tied[np.lexsort((qx[tied], qy[tied]))[0]])
-    return _rotated(path, s, best, float(at[best]))
+    # Rounded so that float noise does not decide between two segments that meet there.
+    best = int(tied[np.lexsort((np.round(qx[tied], 3), np.round(qy[tied], 3)))[0]])
+    return best, float(at[best])
 
 
 def _rotated(path: Contour, s: Segments, row: int, at: float) -> Contour:
@@ -278,11 +288,14 @@ def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, 
         lane = scene.lanes[number]
         path = lane.path
         if not path.closed:
+            path = path if lane.enter is None else _started(path, lane.enter)
             result[number] = _before_open(path, _length(lane, lead_um))
             continue
         s = scene.of(number)
         inward = measure.area(path.vertices) > 0
-        if len(path.vertices) == 1:
+        if lane.enter is not None:
+            row, at = _nearest(s, *lane.enter)
+        elif len(path.vertices) == 1:
             row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
             if lane.scrap_left is not None and lane.scrap_left == inward:
                 cx, cy = to_grid([s.cx[0], s.cy[0]]).tolist()

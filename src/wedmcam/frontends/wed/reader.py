@@ -247,15 +247,15 @@ class _Reader:
                 scope.tell("wed-syntax", f"'{clause.kind}' stands twice", scope.span(value))
             told[clause.kind] = value
         values: dict[str, float] = {}
-        start = None
+        points: dict[str, tuple[float, float, TextSpan]] = {}
         stopped = False
         for kind, value in told.items():
             try:
-                if kind == "start":
+                if kind in ("start", "enter"):
                     p = scope.point(value)
                     um = scope.numbers.um
                     where = scope.span(value)
-                    start = (um(p.x, scope.factor), um(p.y, scope.factor), where)
+                    points[kind] = (um(p.x, scope.factor), um(p.y, scope.factor), where)
                 else:
                     values[kind] = scope.um(value, f"'{kind}'")
             except Stop:
@@ -273,7 +273,8 @@ class _Reader:
         if stopped:
             raise Stop
         name = self.source.text[node.items[0].start : node.items[0].end]
-        self.cuts.append(CutItem(name, shape, word, span, start=start, **values))
+        start, enter = points.get("start"), points.get("enter")
+        self.cuts.append(CutItem(name, shape, word, span, start=start, enter=enter, **values))
 
     # --- contours ---
 

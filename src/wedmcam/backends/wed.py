@@ -1,0 +1,199 @@
+"""A decoded program as source text of the part language: what an old program cuts, to go on from.
+
+Each stretch between two moves becomes a contour of the lines and arcs that the controller steps,
+and a ``cut ... on`` with its thread point, the point where the lead arrives, stop and overcut. So
+the text says what the wire does, not what the part was: the offset is in it. Every point is a
+whole micron where the controller really stood, so that compiling the text can find the same blocks
+again; whether it did is proven by who asked for it (``conversion``).
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePath
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.backends.contours import Stretch, stretches
+from wedmcam.controller import position, run
+from wedmcam.diag import Diagnostic, Span, error, warning
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.machines import Machine
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+TAU = 2.0 * np.pi
+#: Arcs of more than this are written in parts: near a full turn nobody can tell their ends apart.
+MOST_SWEEP = np.radians(350.0)
+
+
+def source(
+    program: Program, machine: Machine, name: str, pieces: Ints | None = None
+) -> tuple[bytes, list[Diagnostic]]:
+    """Return a program in the part language, mm, from where the first block starts.
+
+    Args:
+        program: decoded.
+        machine: the profile that it was read with: whose controller steps it.
+        name: of the program, for the title.
+        pieces: in how many parts the arc of each block is written at least; None for one.
+
+    Returns:
+        UTF-8 text, empty where there is an error; a warning for each pause and word that the part
+        language has no place for.
+    """
+    blocks, table = program.blocks, LineTable(machine.table)
+    motion = run(blocks, table)
+    found: list[Diagnostic] = []
+    for i in np.flatnonzero(motion.steps < 0)[:1].tolist():
+        what = f"block {i + 1} never ends on its controller: there is no path to write down"
+        found.append(error("endless-block", what, _span(program, i)))
+    kinds = blocks["kind"]
+    end = np.flatnonzero((kinds == Kind.STOP) | (kinds == Kind.END))
+    last = int(end[0]) if len(end) else len(blocks)
+    late = np.flatnonzero((kinds <= Kind.MOVE) & (np.arange(len(blocks)) > last))
+    if len(late):
+        what = f"{len(late)} blocks behind the end of cutting are no part of the path; left out"
+        found.append(warning("not-carried", what, _span(program, int(late[0]))))
+    taken = (np.arange(len(blocks)) < last) & ((kinds > Kind.MOVE) | (motion.steps > 0))
+    rows = np.flatnonzero(taken)
+    if any(d.code == "endless-block" for d in found) or not (kinds[rows] < Kind.MOVE).any():
+        if not found:
+            found.append(error("no-blocks", "this program cuts nothing"))
+        return b"", found
+    ends = np.column_stack([np.cumsum(motion.dx[rows]), np.cumsum(motion.dy[rows])])
+    starts = ends - np.column_stack([motion.dx[rows], motion.dy[rows]])
+    parts = np.ones(len(rows), np.int64) if pieces is None else pieces[rows]
+    text = _Text(blocks[rows], starts, ends, motion.steps[rows], parts, table)
+    title = re.sub(r'["\r\n]', "'", PurePath(name).name)
+    lines = [
+        f"# What {title} cuts, as {machine.name} steps it; its first block starts at (0, 0).",
+        "# The wire's centre runs on these contours: the offset is in them.",
+        f'part "{title.split(".")[0] or title}"',
+    ]
+    cuts = []
+    for k, one in enumerate(stretches(text.blocks, starts, ends)):
+        contour, cut, lost = text.stretch(one, f"path{k + 1}")
+        lines += ["", *contour]
+        cuts.append(cut)
+        for i, what in lost:
+            found.append(warning("not-carried", what, _span(program, int(rows[i]))))
+    for i, word in program.words:
+        if i < last:
+            what = f"the control word '{word}' has no place in the part language"
+            hint = "see to it at the machine"
+            found.append(warning("not-carried", what, _span(program, i), hint=hint))
+    return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), found
+
+
+def _span(program: Program, i: int) -> Span | None:
+    return program.spans[i] if i < len(program.spans) else None
+
+
+def _mm(um: float) -> str:
+    """Return a length in mm, no digits that say nothing.
+
+    >>> _mm(-1500), _mm(0), _mm(1234.5678)
+    ('-1.5', '0', '1.234568')
+    """
+    digits = f"{um / 1000:.6f}".rstrip("0").rstrip(".")
+    return "0" if digits in ("-0", "") else digits
+
+
+def _at(p: Ints | tuple[int, int]) -> str:
+    return f"({_mm(int(p[0]))}, {_mm(int(p[1]))})"
+
+
+class _Text:
+    """The blocks of a program, on their way to text."""
+
+    def __init__(
+        self,
+        blocks: NDArray[np.void],
+        starts: Ints,
+        ends: Ints,
+        steps: Ints,
+        pieces: Ints,
+        table: LineTable,
+    ) -> None:
+        self.blocks, self.starts, self.ends = blocks, starts, ends
+        self.steps, self.pieces, self.table = steps, pieces, table
+        self.arc = blocks["kind"] == Kind.ARC
+        offset = np.column_stack([blocks["x"], blocks["y"]]).astype(np.int64)
+        self.centre = np.where(self.arc[:, None], starts - offset, 0)
+        self.radius = np.hypot(blocks["x"], blocks["y"])
+        self.sweep, self.length = self._sizes()
+
+    def _sizes(self) -> tuple[Floats, Floats]:
+        """Return the sweep of each arc, rad, and the length of each block, um."""
+        turn = self.blocks["turn"].astype(np.int64)
+        a, b = self.starts - self.centre, self.ends - self.centre
+        first, last = np.arctan2(a[:, 1], a[:, 0]), np.arctan2(b[:, 1], b[:, 0])
+        sweep = np.mod((last - first) * turn, TAU)
+        # A turn takes 8 R steps: that tells an arc that just passes its start from a short one.
+        whole = self.steps / np.maximum(8.0 * self.radius, 1.0) * TAU
+        sweep = np.where(self.arc, sweep + TAU * np.round((whole - sweep) / TAU), 0.0)
+        straight = np.hypot(*(self.ends - self.starts).T)
+        return sweep, np.where(self.arc, self.radius * sweep, straight)
+
+    def stretch(self, one: Stretch, name: str) -> tuple[list[str], str, list[tuple[int, str]]]:
+        """Return a contour, the statement that cuts it, and what is lost (at which block)."""
+        path, over = one.path, one.overcut
+        led = len(one.lead_in) > 0 and one.closed
+        if not led:  # no lead that can be told from the path: all of it is path
+            path = np.concatenate([one.lead_in, path, over, one.lead_out])
+            over = path[:0]
+        closed = bool((self.ends[path[-1]] == self.starts[path[0]]).all())
+        home = self.starts[path[0]]
+        thread = self.starts[one.lead_in[0]] if led else home
+        lines = [f"contour {name} {{"]
+        if closed and len(path) == 1:
+            i = path[0]
+            sense = "" if self.blocks["turn"][i] > 0 else "cw "
+            at, radius = _at(self.centre[i]), _mm(float(self.radius[i]))
+            lines.append(f"  circle {sense}center {at} radius {radius}")
+        else:
+            lines.append(f"  from {_at(home)}")
+            for i in path.tolist():
+                lines += self._block(i)
+            if closed:
+                # 'close' is a line back, and nothing after an arc that ends there.
+                lines = lines if self.arc[path[-1]] else lines[:-1]
+                lines.append("  close")
+        cut = f"cut {name} on start {_at(thread)}"
+        if led or (closed and len(path) == 1):
+            cut += f" enter {_at(home)}"
+        stop, lost = self._stop(one, path, closed)
+        cut += stop
+        if len(over):
+            cut += f" overcut {_mm(float(self.length[over[: len(over) // 2]].sum()))}"
+        return [*lines, "}"], cut, lost
+
+    def _stop(self, one: Stretch, path: Ints, closed: bool) -> tuple[str, list[tuple[int, str]]]:
+        """Return the clause of the last pause on the path; the others are lost."""
+        lost = []
+        told = ""
+        for i in one.pauses[::-1]:
+            if not told and closed and i in path[:-1]:
+                rest = path[np.flatnonzero(path == i)[0] + 1 :]
+                told = f" stop {_mm(float(self.length[rest].sum()))}"
+                continue
+            where = f"{_at(self.ends[i])} mm from the start"
+            why = "'stop' is one pause on a closed contour"
+            lost.append((i, f"a pause at {where} has no place in the part language: {why}"))
+        return told, lost[::-1]
+
+    def _block(self, i: int) -> list[str]:
+        """Return the commands of a block."""
+        if not self.arc[i]:
+            return [f"  line to {_at(self.ends[i])}"]
+        turn, sweep = int(self.blocks["turn"][i]), float(self.sweep[i])
+        word, centre = ("ccw" if turn > 0 else "cw"), self.centre[i]
+        least = 1 if sweep <= MOST_SWEEP else int(np.ceil(sweep / np.pi))
+        pieces = max(least, int(self.pieces[i]))
+        # Where the machine stands on its way: whole microns, as near to the circle as it gets.
+        part = np.repeat(self.blocks[i : i + 1], pieces - 1)
+        dx, dy = position(part, self.steps[i] * np.arange(1, pieces) // pieces, self.table)
+        stops = [*(self.starts[i] + np.column_stack([dx, dy])), self.ends[i]]
+        return [f"  arc {word} to {_at(p)} center {_at(centre)}" for p in stops]

@@ -22,6 +22,7 @@ SHELL = {
     "conversion",
     "entered",
     "loads",
+    "offsets",
     "several",
 }
 

@@ -391,7 +391,7 @@ def read_program(
 ) -> tuple[Program | None, Machine, tuple[Diagnostic, ...]]:
     """Return a program as decoded, the machine it was read with, and the findings.
 
-    ``entered``: what the operator enters beside a rotation or compensation file.
+    ``entered``: what the operator enters beside a rotation or compensation file, or for G41, G42.
     """
     data, name = _bytes(source, name)
     machine = _reader_machine(data, name, format, profile)
@@ -400,10 +400,7 @@ def read_program(
         if entered is None:
             decoded = _decode(data, name, machine, run, Options())
         else:
-            from wedmcam.frontends import decoder
-
-            more = entered.read(machine.format)
-            decoded = run("decode", decoder(machine.format)(data, machine, name, **more))
+            decoded = run("decode", entered.decode(data, machine, name))
     except Refused:
         return None, machine, tuple(run.found)
     return decoded, machine, tuple(run.found)
@@ -604,16 +601,20 @@ def diff(
     within_mm: float = 0.001,
     names: tuple[str | None, str | None] = (None, None),
     profiles: tuple[Machine | str | None, Machine | str | None] = (None, None),
+    d: tuple[tuple[int, float], ...] = (),
 ) -> tuple[Difference | None, tuple[Diagnostic, ...]]:
     """Compare two programs of any formats as step paths; see ``judge.difference``.
+
+    ``d``: numbers and offsets (um) of ISO programs with G41 or G42.
 
     Returns:
         The difference; None where one cannot be read. And the findings of both readers.
     """
+    from wedmcam.entered import Entered
     from wedmcam.judge.difference import difference
 
     read = [
-        read_program(source, profile=profile, name=name)
+        read_program(source, profile=profile, name=name, entered=Entered(d=d))
         for source, name, profile in zip((a, b), names, profiles, strict=True)
     ]
     found = tuple(d for _, _, some in read for d in some)

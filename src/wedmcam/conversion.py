@@ -182,7 +182,6 @@ def between(
         was found on the way.
     """
     from wedmcam.backends import encoder
-    from wedmcam.frontends import decoder
     from wedmcam.judge.difference import difference
     from wedmcam.transforms.carry import carry
 
@@ -195,8 +194,7 @@ def between(
     found += more
     if has_errors(more):
         return None, None, None, found
-    file, numbers = f"the {machine.format} program", beside.read(machine.format)
-    made, more = decoder(machine.format)(data, machine, file, **numbers)
+    made, more = beside.decode(data, machine, f"the {machine.format} program")
     found += [d for d in more if d.severity is Severity.ERROR]
     if has_errors(found):
         return None, made, None, found

@@ -1,7 +1,8 @@
-"""What the operator of a ZD-065 enters beside a file: copies and an angle, or a gap and its side.
+"""What the operator enters beside a file: copies and an angle, a gap and its side, a table of D.
 
-A file in the rotation or the compensation format is a figure; the cutting program is what the
-controller makes of it with these numbers (``controller.processing``).
+A file in the ZD-065's rotation or compensation format is a figure; the cutting program is what the
+controller makes of it with these numbers (``controller.processing``). An ISO file with G41 or G42
+holds outlines, and the table of D numbers says how far beside them the wire runs (``offsets``).
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.diag import Diagnostic
 from wedmcam.ir.program import Kind, LineTable, Program
 from wedmcam.machines import Machine
 from wedmcam.options import WrongUse
@@ -19,19 +21,21 @@ from wedmcam.options import WrongUse
 
 @dataclass(frozen=True, slots=True)
 class Entered:
-    """Numbers that belong to a rotation or a compensation file.
+    """Numbers that belong to a rotation or a compensation file, or to ISO with G41 or G42.
 
     Attributes:
         copies: of a figure in rotation format, 0 to 99 [S].
         angle: degrees from copy to copy, counter-clockwise.
         gap_um: of a compensation file, whole um.
         outwards: True for a part (punch), False for a die.
+        d: numbers and offsets of an ISO program that the controller offsets, um.
     """
 
     copies: int = 0
     angle: float = 0.0
     gap_um: float = 0.0
     outwards: bool = True
+    d: tuple[tuple[int, float], ...] = ()
 
     def __post_init__(self) -> None:
         if bool(self.copies) != bool(self.angle):
@@ -51,6 +55,8 @@ class Entered:
         """
         if (self.copies or self.angle) and source != "rotation":
             raise WrongUse(f"--copies and --angle turn a figure in rotation format, not {source}")
+        if self.d and source != "iso":
+            raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
         if not self.gap_um:
             return
         if "compensation" not in (source, target):
@@ -59,6 +65,18 @@ class Entered:
             raise WrongUse("--gap would be applied to a compensation file that stays one")
         if self.gap_um != round(self.gap_um) or self.gap_um < 0:
             raise WrongUse(f"--gap is a whole number of um from 0 on, not {self.gap_um:g} um")
+
+    def decode(self, data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
+        """Return the cutting program that a file means with these numbers."""
+        from wedmcam import offsets
+        from wedmcam.frontends import decoder
+
+        if machine.format == "iso":
+            return offsets.decode(data, machine, file, offsets.table_of(self.d))
+        made: tuple[Program, list[Diagnostic]] = decoder(machine.format)(
+            data, machine, file, **self.read(machine.format)
+        )
+        return made
 
     def read(self, format_: str) -> dict[str, Any]:
         """Return what the reader of a format takes of it."""

@@ -57,6 +57,7 @@ class Options:
         cuts: only these contours of the program, first and last, 1-based; None for all.
         from_block: only the rest of the program from this block on, 1-based; 0 for all of it.
         backwards: the rest of the contour of ``from_block`` from its end back to that block.
+        d: offsets of a controller that compensates itself (G41, G42): D number and um.
         arithmetic: "decimal8", in which the ZD-065 computes, or "float64": in what formulas run.
     """
 
@@ -86,6 +87,7 @@ class Options:
     cuts: tuple[int, int] | None = None
     from_block: int = 0
     backwards: bool = False
+    d: tuple[tuple[int, float], ...] = ()
 
     def __post_init__(self) -> None:
         if self.units not in (None, "mm", "um", "inch"):
@@ -148,6 +150,8 @@ class Options:
             if values.get("cuts") is not None:
                 first, last = values["cuts"]
                 values["cuts"] = (int(first), int(last))
+            if "d" in values:
+                values["d"] = tuple((int(n), float(um)) for n, um in values["d"])
             if "starts_um" in values:
                 values["starts_um"] = tuple((float(x), float(y)) for x, y in values["starts_um"])
             return cls(**values)

@@ -332,7 +332,11 @@ def decode(
     data: bytes, machine: Machine, file: str, options: Options
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that a file means to its controller."""
+    from wedmcam import offsets
     from wedmcam.frontends import decoder
+
+    if machine.format == "iso":
+        return offsets.decode(data, machine, file, offsets.table_of(options.d, options.offset_um))
 
     made: tuple[Program, list[Diagnostic]] = decoder(machine.format)(
         data, machine, file, **processing(machine, options)

@@ -3,4 +3,3 @@ G91
 G42 D1 G01 X1000 Y0
 G01 X1000 Y0
 M02
-; 3:5 warning[iso-ignored]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wedmcam.cli.lengths import LENGTH, POINT
+from wedmcam.cli.lengths import LENGTH, OFFSET, POINT
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
@@ -136,6 +136,16 @@ machine_options = _stack(
     ),
 )
 
+d_option = click.option(
+    "--d",
+    "d",
+    type=OFFSET,
+    multiple=True,
+    metavar="N=LENGTH",
+    help="Of an ISO program with G41 or G42: the offset entered at the controller for D number N; "
+    "repeat.",
+)
+
 feed_option = click.option(
     "--feed", "feed_um", type=LENGTH, help="Cutting speed, a length a minute: tells the time."
 )
@@ -196,6 +206,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         cuts=asked["cuts"],
         from_block=asked["from_block"] or 0,
         backwards=asked["backwards"],
+        d=asked.get("d", ()),
     )
 
 

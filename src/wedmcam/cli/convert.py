@@ -30,6 +30,7 @@ from wedmcam.cli.progress import waiting
     default="part",
     help="Of a compensation file: part outwards, die inwards.",
 )
+@ask.d_option
 @click.option("--json", "json_", is_flag=True, help="Summary as JSON on standard output.")
 @click.option("--strict", is_flag=True, help="Warnings are errors: nothing may get lost.")
 @click.option("-q", "--quiet", is_flag=True, help="Errors only.")
@@ -44,6 +45,7 @@ def convert_command(
     angle: float,
     gap_um: float,
     side: str,
+    d: tuple[tuple[int, float], ...],
     json_: bool,
     strict: bool,
     quiet: bool,
@@ -80,7 +82,7 @@ def convert_command(
             profile_in=machine_in,
             name=name,
             strict=strict,
-            entered=Entered(copies, angle, gap_um, side == "part"),
+            entered=Entered(copies, angle, gap_um, side == "part", d),
         )
     say.say_findings(made.findings, name, quiet)
     if made.data is None:

@@ -64,5 +64,25 @@ class Point(click.ParamType):  # type: ignore[type-arg]
             self.fail(str(why), param, ctx)
 
 
+class Offset(click.ParamType):  # type: ignore[type-arg]
+    """N=LENGTH: the offset that a controller's table has for D number N, um."""
+
+    name = "n=length"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, float]:
+        """Return (N, um); a wrong one is wrong use."""
+        if isinstance(value, tuple):
+            return value
+        number, _, length = str(value).partition("=")
+        number = number.strip().lstrip("Dd")
+        if not (number.isdecimal() and number.isascii() and len(number) <= 6 and length):
+            self.fail(f"'{value}' is no offset of a D number: write 1=0.1mm", param, ctx)
+        try:
+            return int(number), length_um(length)
+        except ValueError as why:
+            self.fail(str(why), param, ctx)
+
+
 LENGTH = Length()
+OFFSET = Offset()
 POINT = Point()

@@ -263,6 +263,7 @@ def batch_command(
     help="Also compile the drawing rotated, mirrored, reversed, threaded elsewhere: its programs "
     "must be images of each other.",
 )
+@ask.d_option
 @ask.compile_options
 @ask.feed_option
 @ask.said_options
@@ -393,6 +394,7 @@ def _say_proof(proof: Any, verbose: bool) -> None:
 @click.option("--within", "within_um", type=LENGTH, default="1um", help="As far apart is equal.")
 @click.option("--profile", metavar="NAME|FILE", help="Of the first; by name and content else.")
 @click.option("--profile-b", metavar="NAME|FILE", help="Of the second.")
+@ask.d_option
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Only the exit status.")
 def diff_command(
@@ -401,6 +403,7 @@ def diff_command(
     within_um: float,
     profile: str | None,
     profile_b: str | None,
+    d: tuple[tuple[int, float], ...],
     json_: bool,
     quiet: bool,
 ) -> int:
@@ -424,6 +427,7 @@ def diff_command(
             within_mm=within_um / 1000,
             names=(_name(a), _name(b)),
             profiles=(machines[0], machines[1]),
+            d=d,
         )
     if found is None:
         say.say_findings(said, a)
@@ -484,6 +488,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
     help="FILE.svg, FILE.png, FILE.html or FILE.dxf; - for SVG to stdout.",
 )
 @click.option("--contours", is_flag=True, help="Only what was drawn; nothing is compiled.")
+@ask.d_option
 @ask.compile_options
 @ask.said_options
 def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
@@ -506,7 +511,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
     if contours and not is_program:
         asked |= {"side": None, "offset_um": None, "wire_um": None, "gap_um": None}
-    options = Options() if is_program else ask.options_of(asked)
+    options = Options(d=asked["d"]) if is_program else ask.options_of(asked)
     with waiting(f"drawing {name}"):
         if is_program:
             made = api.verify(data, profile=machine, name=name, options=options)
@@ -582,18 +587,28 @@ def identify_command(file: str, json_: bool) -> int:
     help="3b, compact, rotation, compensation, iso; else by name, content.",
 )
 @ask.machine_options
+@ask.d_option
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
-def dump_command(file: str, format_: str | None, profile: str | None, json_: bool) -> int:
+def dump_command(
+    file: str,
+    format_: str | None,
+    profile: str | None,
+    d: tuple[tuple[int, float], ...],
+    json_: bool,
+) -> int:
     """The blocks of a program, with their addresses and where they end."""
     from wedmcam import api
     from wedmcam.cli import say
     from wedmcam.cli.tables import dump_lines, dump_rows
     from wedmcam.diag import has_errors
+    from wedmcam.entered import Entered
     from wedmcam.frontends.dump import stated
 
     machine = ask.machine_of(profile, format_) if profile or format_ else None
     data = read_program(file)
-    program, used, found = api.read_program(data, profile=machine, name=_name(file))
+    program, used, found = api.read_program(
+        data, profile=machine, name=_name(file), entered=Entered(d=d)
+    )
     say.say_findings(found, _name(file))
     if program is None:
         return 1
@@ -613,7 +628,14 @@ def dump_command(file: str, format_: str | None, profile: str | None, json_: boo
 @click.option("--list", "list_", is_flag=True, help="All codes, one a line.")
 @click.option("--block", type=click.IntRange(1), metavar="N", help="Explain this block of FILE.")
 @ask.machine_options
-def explain_command(what: str | None, list_: bool, block: int | None, profile: str | None) -> int:
+@ask.d_option
+def explain_command(
+    what: str | None,
+    list_: bool,
+    block: int | None,
+    profile: str | None,
+    d: tuple[tuple[int, float], ...],
+) -> int:
     """A diagnostic; or one block of a program: geometry, quadrant, count axis, J, first steps."""
     from wedmcam.cli.explain import explained, listed, unknown
 
@@ -623,7 +645,7 @@ def explain_command(what: str | None, list_: bool, block: int | None, profile: s
     if what is None:
         raise click.UsageError("give a CODE, FILE --block N, or --list")
     if block is not None:
-        return _explain_block(what, block, profile)
+        return _explain_block(what, block, profile, d)
     text = explained(what)
     if text is None:
         raise click.UsageError(unknown(what))
@@ -631,14 +653,19 @@ def explain_command(what: str | None, list_: bool, block: int | None, profile: s
     return 0
 
 
-def _explain_block(file: str, number: int, profile: str | None) -> int:
+def _explain_block(
+    file: str, number: int, profile: str | None, d: tuple[tuple[int, float], ...]
+) -> int:
     from wedmcam import api
     from wedmcam.cli import say
     from wedmcam.cli.block import explain_block
+    from wedmcam.entered import Entered
 
     machine = ask.machine_of(profile, None) if profile else None
     data = read_program(file)
-    program, used, found = api.read_program(data, profile=machine, name=_name(file))
+    program, used, found = api.read_program(
+        data, profile=machine, name=_name(file), entered=Entered(d=d)
+    )
     if program is None:
         say.say_findings(found, _name(file))
         return 1

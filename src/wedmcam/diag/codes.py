@@ -600,7 +600,27 @@ CODES: dict[str, Code] = {
     "iso-compensation": Code(
         "G41 or G42: the controller is to offset the path by a table of its own.",
         "The path depends on a number that is not in the file.",
-        "Write the program with the offset computed (G40).",
+        "Give the table: --d 1=0.1mm for D1, as it is entered at the controller.",
+    ),
+    "iso-d": Code(
+        "G41 or G42 with a D that is missing, is no number of an offset, or was not given.",
+        "By how much the controller would offset the path cannot be told.",
+        "Write D with G41 or G42, and give its offset: --d 1=0.1mm.",
+    ),
+    "compensation-place": Code(
+        "Compensation is switched on, off or over where controllers differ, or never followed.",
+        "One controller refuses it, another cuts a path of its own.",
+        "Lead in and out on straight lines (G01), with one side and one D between them.",
+    ),
+    "compensation-lead": Code(
+        "The lead to an outline that the controller offsets is too short or on the wrong side.",
+        "Controllers stop with an alarm, or the wire cuts into the part.",
+        "Start farther from the outline, on the side of the wire: --start.",
+    ),
+    "compensation-lost": Code(
+        "The controller cannot offset a block: nothing is left of it, or it meets another one.",
+        "Controllers look one block ahead: they stop with an alarm, or cut into the part.",
+        "A smaller offset or larger inside radii; or let wedmcam compute the offset.",
     ),
     "iso-arc": Code(
         "An ISO arc whose centre, radius and end do not fit each other.",

@@ -4,6 +4,10 @@ All lines are read at once: modes are filled forward, positions summed, and only
 looked at one by one. Positions are summed in nanometres and put on the grid afterwards, so that
 small increments add up. A word that is not understood is an error where it could change the path,
 else a warning; nothing is dropped in silence.
+
+Where the controller offsets the path itself (G41, G42), `read` gives the outline as it stands there
+with the offsets of a table; what the controller makes of it is for the shell to apply. `decode`
+reads programs that need no table.
 """
 
 from __future__ import annotations
@@ -17,9 +21,11 @@ from wedmcam.controller import arc_end
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
 from wedmcam.formats import b3, iso
 from wedmcam.formats.listing import in_order, listed
+from wedmcam.frontends.compensation import Modes, Runs, Table, runs_of
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.words import Words, words_of
 from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program
+from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]
@@ -101,7 +107,24 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
     Returns:
         A block a motion, with the micron or two that an arc is completed by as a line of its own;
         M00 and M01 are pauses, M02 and M30 the stop, other M words are kept. A G01 alone between
-        two pauses is a move, like G00. ``spans[i]`` is the line.
+        two pauses is a move, like G00. ``spans[i]`` is the line. G41 and G42 are refused: where
+        they lead depends on a table.
+    """
+    made, found = read(data, machine, file)
+    return made.program, found
+
+
+def read(
+    data: bytes, machine: Machine, file: str, table: Table | None = None
+) -> tuple[Programmed, list[Diagnostic]]:
+    """Return the program of an ISO file, with outlines where the controller is to offset.
+
+    Args:
+        data: any bytes; never raises.
+        machine: an ISO profile.
+        file: name for the spans.
+        table: D number -> offset, um, as entered at the controller. A motion whose D is 0 um is
+            stepped as it stands. None: G41 and G42 are refused, with the D numbers used.
     """
     r = _Reader(data, machine, file)
     w = r.words
@@ -145,15 +168,11 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         "a code that is not known here and may change the path",
         "known are G00 to G03, G20, G21, G40, G70, G71, G90, G91, G92",
     )
-    r.tell_words(
-        err,
-        "iso-compensation",
-        comp & (code != 40),
-        "the controller would offset the path itself, by a table that is not in the file",
-        "write the program with the offset computed (G40): no path can be proven without it",
-    )
     axes = {k: _column(r, k) for k in "XYIJR"}
-    other = w.good & ~np.isin(w.letter, np.frombuffer(b"GMXYIJRN", np.uint8))
+    offsets = comp & (code != 40)
+    names = b"GMXYIJRND" if offsets.any() else b"GMXYIJRN"
+    modes = _modes(r, modal["comp"], offsets, table)
+    other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8))
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
     r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
     r.tell_words(
@@ -167,7 +186,41 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
     motion = _filled(*modal["motion"], -1)
     inches = _filled(*modal["inch"], 0)
     reset = modal["g92"][1]
-    return _program(r, axes, distance, motion, inches, reset, m)
+    return _program(r, axes, distance, motion, inches, reset, m, modes)
+
+
+def _modes(
+    r: _Reader, comp: tuple[Ints, Bools], offsets: Bools, table: Table | None
+) -> Modes | None:
+    """Return the state of compensation at every line; None where there is none, or no table."""
+    if not offsets.any():
+        return None
+    value, has, pointed, _ = _column(r, "D")
+    wrong = has & (pointed | (value < 0))
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-d",
+        np.flatnonzero(wrong),
+        lambda i: "D is the number of an offset in the controller's table: whole, from 0 on",
+        "D with the number of the offset, such as G41 D1",
+    )
+    if wrong.any():
+        return None
+    d = _filled(value, has, -1)
+    if table is None:
+        used = np.unique(d[r.words.line[offsets]])
+        given = " ".join(f"--d {max(n, 1)}=0.1mm" for n in used.tolist())
+        called = ", ".join("no D at all" if n < 0 else f"D{n}" for n in used.tolist())
+        r.tell_words(
+            Severity.ERROR,
+            "iso-compensation",
+            offsets,
+            f"the controller offsets the path itself, by a table that the file has not ({called})",
+            f"give what is entered at the controller: {given}",
+        )
+        return None
+    codes = _filled(*comp, 40)
+    return Modes(codes, comp[1], d, table)
 
 
 def _tell_text(r: _Reader) -> None:
@@ -277,7 +330,8 @@ def _program(
     inches: Ints,
     reset: Bools,
     m: Bools,
-) -> tuple[Program, list[Diagnostic]]:
+    modes: Modes | None,
+) -> tuple[Programmed, list[Diagnostic]]:
     w = r.words
     nm = _lengths(r, axes, inches)
     has = {k: axes[k][1] for k in axes}
@@ -324,7 +378,13 @@ def _program(
             )
         )
     rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
-    blocks, block_line = _blocks(r, rows, motion, nm, has, starts_nm, ends_nm)
+    runs = None
+    if modes is not None:
+        still = np.ones(len(rows), bool)
+        for k in "XY":
+            still &= _grid(starts_nm[k][rows]) == _grid(ends_nm[k][rows])
+        runs = runs_of(r, rows, motion[rows], still & (motion[rows] < 2), modes)
+    blocks, block_line, motions = _blocks(r, rows, motion, nm, has, starts_nm, ends_nm, runs)
 
     unknown = np.zeros(len(w.letter), bool)
     kinds = np.full(len(m_rows), int(Kind.WORD))
@@ -349,6 +409,10 @@ def _program(
     every, line = every[order], np.concatenate([block_line, m_lines[keep]])[order]
     names = np.concatenate([np.full(len(blocks), -1), codes[keep]])[order]
     moved = b3.moves(every["kind"]) & (every["kind"] == Kind.LINE)
+    mark = every["source"].astype(np.int64)
+    every["source"] = -1
+    if runs is not None:  # a line in compensation, or one that says G40 itself, cuts
+        moved[(mark >= 0) & runs.cuts[mark]] = False
     every["kind"][moved] = Kind.MOVE
     words = tuple((int(i), f"M{names[i]:02d}") for i in np.flatnonzero(every["kind"] == Kind.WORD))
     size = np.maximum(w.line_end[line] - w.line_start[line], 1).astype(np.int32)
@@ -356,7 +420,7 @@ def _program(
     if not len(rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
         what = "no ISO record with a motion in this file"
         r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
-    return Program(every, spans=spans, words=words), in_order(r.found)
+    return Programmed(Program(every, spans=spans, words=words), mark, motions), in_order(r.found)
 
 
 def _grid(nm: Ints) -> Ints:
@@ -371,8 +435,12 @@ def _blocks(
     has: dict[str, Bools],
     starts_nm: dict[str, Ints],
     ends_nm: dict[str, Ints],
-) -> tuple[NDArray[np.void], Ints]:
-    """Return the blocks of the motions in ``rows`` and the line of each."""
+    runs: Runs | None,
+) -> tuple[NDArray[np.void], Ints, NDArray[np.void]]:
+    """Return the blocks of the motions in ``rows``, the line of each, and the motions of runs.
+
+    ``source`` of a block is the row of the motions of runs that it stands for, else -1.
+    """
     arcs = rows[motion[rows] >= 2]
     sx, sy = _grid(starts_nm["X"][arcs]), _grid(starts_nm["Y"][arcs])
     ex, ey = _grid(ends_nm["X"][arcs]), _grid(ends_nm["Y"][arcs])
@@ -381,6 +449,7 @@ def _blocks(
         starts_nm["Y"][arcs] == ends_nm["Y"][arcs]
     )
     by_radius = has["R"][arcs]
+    exact = [(starts_nm[a][arcs] + nm[b][arcs]) / 1000.0 for a, b in ("XI", "YJ")]
     cx = _grid(starts_nm["X"][arcs] + nm["I"][arcs])
     cy = _grid(starts_nm["Y"][arcs] + nm["J"][arcs])
     both = by_radius & (has["I"] | has["J"])[arcs]
@@ -396,7 +465,10 @@ def _blocks(
     tell(
         by_radius & same_nm, lambda i: "R with an end that is the start: the centre may be anywhere"
     )
-    cx, cy = _centres(tell, by_radius & ~same_nm, sx, sy, ex, ey, turn, nm["R"][arcs], cx, cy)
+    of_radius = by_radius & ~same_nm
+    found = _centres(tell, of_radius, sx, sy, ex, ey, turn, nm["R"][arcs])
+    cx, cy = (np.where(of_radius, _nearest(f), c) for f, c in zip(found, (cx, cy), strict=True))
+    exact = [np.where(of_radius, f, c) for f, c in zip(found, exact, strict=True)]
     x, y, fx, fy = sx - cx, sy - cy, ex - cx, ey - cy
     radius, reach = np.hypot(x, y), np.hypot(fx, fy)
     tell(
@@ -412,25 +484,40 @@ def _blocks(
         ),
         "check I and J: from the start to the centre, signed",
     )
+    motions = np.zeros(0, PROGRAMMED)
+    if runs is not None:
+        motions = _programmed(runs, starts_nm, ends_nm, arcs, turn, exact)
     good = ~r.bad[arcs]
+    if runs is not None:
+        good &= runs.of[arcs] < 0
     arcs, turn, x, y, fx, fy = (v[good] for v in (arcs, turn, x, y, fx, fy))
     same_nm = same_nm[good]
     made, rest_x, rest_y = _stepped(r, arcs, turn, x, y, fx, fy, same_nm)
 
-    lines = rows[(motion[rows] < 2) & ~r.bad[rows]]
-    straight = np.zeros(len(lines), BLOCK)
-    straight["kind"] = np.where(motion[lines] == 0, int(Kind.MOVE), int(Kind.LINE))
+    ran = rows[:0] if runs is None else runs.line[~r.bad[runs.line]]
+    straight = (motion[rows] < 2) & ~r.bad[rows]
+    if runs is not None:
+        straight &= runs.of[rows] < 0
+    lines = rows[straight]
+    goes = np.zeros(len(lines), BLOCK)
+    goes["kind"] = np.where(motion[lines] == 0, int(Kind.MOVE), int(Kind.LINE))
     for k, name in (("X", "x"), ("Y", "y")):
-        straight[name] = _grid(ends_nm[k][lines]) - _grid(starts_nm[k][lines])
+        goes[name] = _grid(ends_nm[k][lines]) - _grid(starts_nm[k][lines])
     rest = np.zeros(len(arcs), BLOCK)
     rest["kind"], rest["x"], rest["y"] = Kind.LINE, rest_x, rest_y
     table = LineTable(r.machine.line_table)
-    for part in (straight, rest):
+    for part in (goes, rest):
         part["axis"] = b3.line_axis(part["x"], part["y"], table)
         part["count"] = np.maximum(abs(part["x"]), abs(part["y"]))
-    every = np.concatenate([straight, made, rest])
-    key = np.concatenate([2 * lines, 2 * arcs, 2 * arcs + 1])
-    every["source"] = -1
+    for part in (goes, made, rest):
+        part["source"] = -1
+    place = np.zeros(len(ran), BLOCK)  # what a controller makes of it is not known here
+    place["kind"] = np.where(motion[ran] == 0, int(Kind.MOVE), int(Kind.LINE))
+    place["x"], place["count"] = 1, 1
+    if runs is not None:
+        place["source"] = runs.of[ran]
+    every = np.concatenate([goes, made, rest, place])
+    key = np.concatenate([2 * lines, 2 * arcs, 2 * arcs + 1, 2 * ran])
     still = every["count"] == 0
     nothing = np.flatnonzero(still[: len(lines)])
     r.tell_lines(
@@ -438,7 +525,33 @@ def _blocks(
     )
     order = np.argsort(key, kind="stable")
     order = order[~still[order]]
-    return every[order], key[order] // 2
+    return every[order], key[order] // 2, motions
+
+
+def _programmed(
+    runs: Runs,
+    starts_nm: dict[str, Ints],
+    ends_nm: dict[str, Ints],
+    arcs: Ints,
+    turn: Ints,
+    centre: list[Floats],
+) -> NDArray[np.void]:
+    """Return the motions of runs as they are programmed."""
+    out = np.zeros(len(runs.line), PROGRAMMED)
+    for name in ("role", "shift", "d", "run"):
+        out[name] = getattr(runs, name)
+    for k, name in (("X", "x"), ("Y", "y")):
+        out[f"{name}0"] = starts_nm[k][runs.line] / 1000.0
+        out[f"{name}1"] = ends_nm[k][runs.line] / 1000.0
+    mine = runs.of[arcs]
+    some = mine >= 0
+    out["turn"][mine[some]] = turn[some]
+    out["cx"][mine[some]], out["cy"][mine[some]] = centre[0][some], centre[1][some]
+    return out
+
+
+def _nearest(values: Floats) -> Ints:
+    return np.floor(values + 0.5).astype(np.int64)
 
 
 def _centres(
@@ -450,12 +563,8 @@ def _centres(
     ey: Ints,
     turn: Ints,
     radius_nm: Ints,
-    cx: Ints,
-    cy: Ints,
-) -> tuple[Ints, Ints]:
-    """Return the centres, those of ``which`` from R: positive below half a turn, else above."""
-    if not which.any():
-        return cx, cy
+) -> tuple[Floats, Floats]:
+    """Return the centres from R: positive below half a turn, else above. Told of ``which``."""
     radius = np.abs(radius_nm) / 1000.0
     dx, dy = (ex - sx).astype(float), (ey - sy).astype(float)
     chord = np.hypot(dx, dy)
@@ -468,9 +577,7 @@ def _centres(
     safe = np.where(chord > 0, chord, 1.0)
     mx = sx + dx / 2 - side * high * dy / safe
     my = sy + dy / 2 + side * high * dx / safe
-    cx = np.where(which, np.floor(mx + 0.5).astype(np.int64), cx)
-    cy = np.where(which, np.floor(my + 0.5).astype(np.int64), cy)
-    return cx, cy
+    return mx, my
 
 
 def _stepped(

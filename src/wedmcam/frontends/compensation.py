@@ -1,0 +1,168 @@
+"""Where an ISO program switches compensation on and off (G41, G42, G40), and whether it may there.
+
+A controller goes into compensation on a straight lead-in, stays on one side with one D, and leaves
+on a straight lead-out. What else a file may say differs from controller to controller, so it is
+refused here with its place: there is no telling what would be cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Severity
+from wedmcam.ir.program import Role
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+LEFT, OFF = 41, 40
+
+#: D number -> the offset entered for it, um, >= 0; None for one that was not given.
+Table = Callable[[int], float | None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Modes:
+    """The state of compensation at every line of a file.
+
+    Attributes:
+        code: 40, 41 or 42 in force.
+        said: whether the line itself says one.
+        d: D number in force, -1 for none.
+        table: see `Table`.
+    """
+
+    code: Ints
+    said: Bools
+    d: Ints
+    table: Table
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Runs:
+    """The motions in compensation, in the order of the file, a row each.
+
+    Attributes:
+        line: of each motion. of: for each line of the file its row here, else -1.
+        role, shift, d, run: as in `ir.programmed.PROGRAMMED`.
+        cuts: a line that is no move even if it stands alone between two pauses.
+    """
+
+    line: Ints
+    of: Ints
+    role: Ints
+    shift: NDArray[np.float64]
+    d: Ints
+    run: Ints
+    cuts: Bools
+
+
+class Reader(Protocol):
+    """What is needed of the reader of a file."""
+
+    lines: int
+
+    def tell_lines(
+        self,
+        severity: Severity,
+        code: str,
+        where: Ints,
+        message: Callable[[int], str],
+        hint: str | None = None,
+    ) -> None:
+        """Report lines."""
+
+
+def runs_of(r: Reader, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> Runs | None:
+    """Return the motions in compensation, and report where it cannot be followed.
+
+    Args:
+        r: takes the findings.
+        rows: lines with a motion, in order.
+        motion: G code of each, 0 to 3.
+        still: motions of length 0; they are none.
+        modes: at every line.
+    """
+    rows, motion = rows[~still], motion[~still]
+    code, d = modes.code[rows], modes.d[rows]
+    on = code != OFF
+    _tell_numbers(r, rows, on, d, modes)
+    given = {n: modes.table(n) or 0.0 for n in set(d.tolist())}
+    offset = np.array([given[n] for n in d.tolist()], np.float64)
+    on &= offset > 0
+    before = np.zeros(len(rows), bool)
+    before[1:] = on[:-1]
+    leads_in, leads_out = on & ~before, ~on & before
+
+    def tell(mask: Bools, what: str, hint: str) -> None:
+        where = rows[mask]
+        r.tell_lines(Severity.ERROR, "compensation-place", where, lambda i: what, hint)
+
+    change = np.zeros(len(rows), bool)
+    change[1:] = on[1:] & before[1:] & (code[1:] != code[:-1])
+    tell(change, "G41 and G42 change places without G40", "G40 on a line before the other side")
+    other = np.zeros(len(rows), bool)
+    other[1:] = (code[1:] != OFF) & before[1:] & (d[1:] != d[:-1]) & ~change[1:]
+    said = np.cumsum(modes.said & (modes.code == OFF))[rows]
+    again = np.zeros(len(rows), bool)
+    again[1:] = on[1:] & before[1:] & (said[1:] != said[:-1])
+    tell(again, "no motion stands between G40 and this line", "lead out on a straight line, G01")
+    tell(other, "another D while compensation is on", "G40 before the other D")
+    cure = "lead in and out on straight lines, G01"
+    tell(leads_in & (motion >= 2), "compensation is switched on in an arc", cure)
+    tell(leads_out & (motion >= 2), "compensation is switched off in an arc", cure)
+    tell(on & (motion == 0), "G00 while compensation is on", cure)
+    alone = leads_in.copy()
+    alone[:-1] &= ~on[1:]
+    tell(
+        alone,
+        "no motion follows the lead-in while compensation is on",
+        "the outline stands between the line with G41 or G42 and the line with G40",
+    )
+    inside = on | leads_out
+    which = np.flatnonzero(inside)
+    if not len(which):
+        return None
+    line = rows[which]
+    of = np.full(r.lines, -1, np.int64)
+    of[line] = np.arange(len(which))
+    role = np.where(leads_in, int(Role.LEAD_IN), int(Role.CONTOUR))
+    role = np.where(leads_out, int(Role.LEAD_OUT), role)[which]
+    side = np.where(code == LEFT, 1.0, -1.0)
+    run = np.cumsum(leads_in) - 1
+    return Runs(
+        line=line,
+        of=of,
+        role=role,
+        shift=np.where(on, side * offset, 0.0)[which],
+        d=np.where(on, d, -1)[which],
+        run=run[which],
+        cuts=(on | modes.said[rows])[which],
+    )
+
+
+def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> None:
+    """Report motions whose D is missing or not in the table, once for each number."""
+    first = np.zeros(len(rows), bool)
+    first[np.unique(np.where(on, d, -2), return_index=True)[1]] = True
+    none = rows[on & first & (d < 0)]
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-d",
+        none,
+        lambda i: "G41 or G42 without a D: by how much is nowhere said",
+        "D with the number of the offset, such as G41 D1",
+    )
+    where = np.flatnonzero(on & first & (d >= 0))
+    where = where[[modes.table(n) is None for n in d[where].tolist()]]
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-d",
+        rows[where],
+        lambda i: f"no offset was given for D{d[where[i]]}",
+        "give what is entered at the controller, such as --d 1=0.1mm",
+    )

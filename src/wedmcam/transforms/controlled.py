@@ -1,0 +1,282 @@
+"""What a controller makes of outlines that it offsets itself (G41, G42 D, G40).
+
+The model [R], after what handbooks of such controllers have in common:
+
+* The lead-in, a straight line at least as long as the offset, ends beside the start of the outline,
+  on the normal of the first block. The lead-out starts on the normal of the last block.
+* Lines shift along their normal, arcs keep their centre. At outer corners an arc about the corner
+  joins them, at inner corners they are cut where neighbours cross.
+* The controller looks one block ahead. A block that the offset leaves nothing of, or a crossing of
+  blocks that are no neighbours, it cannot see or refuses; so it is refused here.
+* A stated centre that is not as far from the end as from the start moves to where it is.
+
+The path is that of ``compensate``, put on the grid and stepped as ``lower`` does it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.geom import segments as seg
+from wedmcam.geom.quantize import to_grid
+from wedmcam.geom.segments import Floats, Ints
+from wedmcam.ir.contour import VERTEX, Contour
+from wedmcam.ir.plan import Cut, Plan, Side
+from wedmcam.ir.program import BLOCK, Kind, Program, Role
+from wedmcam.ir.programmed import Programmed
+from wedmcam.transforms.carry import line_count
+from wedmcam.transforms.compensate import compensate
+from wedmcam.transforms.lower import Target, lower
+
+#: A path that ends this near to its start, where the outline is closed, closes: the rounding of a
+#: joint that is tangent but for the last digit; um.
+CLOSED_UM = 0.5
+#: An inside radius this near to the offset becomes a point of the path; um.
+POINT_UM = 1.0
+#: The path must start and end beside the ends of the outline, within this; um.
+BESIDE_UM = 0.05
+
+Blocks = NDArray[np.void]
+
+
+@dataclass(slots=True)
+class _Made:
+    """Blocks of one run: of which motion each is."""
+
+    blocks: Blocks
+    of: Ints
+
+
+def applied(read: Programmed, target: Target) -> tuple[Program | None, list[Diagnostic]]:
+    """Return the program that the controller makes of outlines and offsets.
+
+    Args:
+        read: as the reader of the format gives it.
+        target: limits of a block, and the line table.
+
+    Returns:
+        Every run as the stepped path beside its outline; spans stay those of the file. None and
+        errors where the model does not hold.
+    """
+    program, motions = read.program, read.motions
+    if not len(motions):
+        return program, []
+    found: list[Diagnostic] = []
+    spans = _spans(read)
+    made: list[_Made] = []
+    for run in range(int(motions["run"].max()) + 1):
+        rows = np.flatnonzero(motions["run"] == run)
+        one, more = _run(motions[rows], [spans[k] for k in rows.tolist()], target)
+        found += more
+        if one is None:
+            continue
+        made.append(_Made(one.blocks, rows[one.of]))
+    if found:
+        return None, found
+    return _woven(read, made), []
+
+
+def _spans(read: Programmed) -> list[Span]:
+    """Return the place of each motion in the file."""
+    where = np.flatnonzero(read.mark >= 0)
+    block = np.zeros(len(read.motions), np.int64)
+    block[read.mark[where]] = where
+    return [read.program.spans[k] for k in block.tolist()]
+
+
+def _woven(read: Programmed, made: list[_Made]) -> Program:
+    """Return the program with every motion of a run replaced by its blocks."""
+    program = read.program
+    blocks = np.concatenate([m.blocks for m in made])
+    of = np.concatenate([m.of for m in made])
+    block = np.zeros(len(read.motions), np.int64)
+    where = np.flatnonzero(read.mark >= 0)
+    block[read.mark[where]] = where
+    plain = np.flatnonzero(read.mark < 0)
+    place = np.concatenate([plain, block[of]])
+    order = np.argsort(place, kind="stable")
+    every = np.concatenate([program.blocks[plain], blocks])[order]
+    place = place[order]
+    # A lead-out that is a move (wire cut) stays one.
+    kinds = program.blocks["kind"][place]
+    every["kind"][(kinds == Kind.MOVE) & (every["kind"] == Kind.LINE)] = Kind.MOVE
+    every["source"], every["cut"], every["role"] = -1, 0, 0
+    texts = dict(program.words)
+    words = tuple((k, texts[int(i)]) for k, i in enumerate(place) if int(i) in texts)
+    spans = [program.spans[int(i)] for i in place]
+    return Program(every, program.origin, program.sources, spans, words)
+
+
+def _run(
+    motions: Blocks, spans: list[Span], target: Target
+) -> tuple[_Made | None, list[Diagnostic]]:
+    """Return the blocks of one run; ``of`` counts its motions from 0 on."""
+    on = np.flatnonzero(motions["role"] == Role.CONTOUR)
+    lead = motions[0]
+    shift = float(lead["shift"])
+    length = float(np.hypot(lead["x1"] - lead["x0"], lead["y1"] - lead["y0"]))
+    if length < abs(shift) - 1e-6:
+        return None, [
+            error(
+                "compensation-lead",
+                f"the lead-in is {length / 1000:.3f} mm long, shorter than the offset "
+                f"D{int(lead['d'])} of {abs(shift) / 1000:.3f} mm",
+                spans[0],
+                hint="start farther from the outline",
+            )
+        ]
+    outline = outline_of(motions[on], tuple(spans[k] for k in on.tolist()))
+    path, found = beside(outline, shift)
+    if path is None:
+        return None, found
+    x, y = to_grid([lead["x0"], lead["y0"]]).tolist()
+    cut = Cut(None, path, (x, y), keeps_left=shift < 0)
+    lowered, found = lower(Plan((cut,), (), (), Side.ON, 0.0), target)
+    if lowered is None:
+        return None, [replace(d, span=spans[0]) for d in found]
+    # The way out of a closed path is not that of the file: it follows.
+    kind, role = lowered.blocks["kind"], lowered.blocks["role"]
+    blocks = lowered.blocks[(kind <= Kind.MOVE) & (role != Role.LEAD_OUT)].copy()
+    of = np.where(blocks["role"] == Role.LEAD_IN, 0, on[blocks["source"]])
+    if motions["role"][-1] == Role.LEAD_OUT:
+        end = path.vertices[0 if path.closed else -1]
+        ax, ay = to_grid([end["x"], end["y"]]).tolist()
+        bx, by = to_grid([motions["x1"][-1], motions["y1"][-1]]).tolist()
+        out = _line(bx - ax, by - ay, target)
+        blocks = np.concatenate([blocks, out])
+        of = np.concatenate([of, np.full(len(out), len(motions) - 1)])
+    return _Made(blocks, of), []
+
+
+def _line(dx: int, dy: int, target: Target) -> Blocks:
+    """Return a line in as many blocks as the limits need; none where it has no length."""
+    most = min(target.line_um, target.count_um)
+    pieces = -(-max(abs(dx), abs(dy)) // most)
+    k = np.arange(pieces + 1)
+    x, y = dx * k // max(pieces, 1), dy * k // max(pieces, 1)
+    out = np.zeros(pieces, BLOCK)
+    out["kind"], out["x"], out["y"] = Kind.LINE, np.diff(x), np.diff(y)
+    out["axis"], out["count"] = line_count(out["x"], out["y"], target.table)
+    return out
+
+
+def outline_of(motions: Blocks, spans: tuple[Span, ...]) -> Contour:
+    """Return the outline of a run as an open contour: a vertex a motion, ``source`` its number.
+
+    A full circle among other motions is two vertices: start and end of a path may not be one.
+    """
+    n = len(motions)
+    rows = np.zeros(n, VERTEX)
+    rows["x"], rows["y"], rows["turn"] = motions["x0"], motions["y0"], motions["turn"]
+    rows["cx"], rows["cy"] = centred(motions)
+    rows["source"] = np.arange(n)
+    whole = (motions["x0"] == motions["x1"]) & (motions["y0"] == motions["y1"])
+    if n > 1 and whole.any():
+        half = rows[whole]
+        half["x"], half["y"] = 2 * half["cx"] - half["x"], 2 * half["cy"] - half["y"]
+        rows = np.insert(rows, np.flatnonzero(whole) + 1, half)
+    last = np.zeros(1, VERTEX)
+    last["x"], last["y"], last["source"] = motions["x1"][-1], motions["y1"][-1], -1
+    return Contour(np.concatenate([rows, last]), False, spans)
+
+
+def centred(motions: Blocks) -> tuple[Floats, Floats]:
+    """Return centres as far from the end of each arc as from its start, nearest to those stated."""
+    dx, dy = motions["x1"] - motions["x0"], motions["y1"] - motions["y0"]
+    mx, my = 0.5 * (motions["x0"] + motions["x1"]), 0.5 * (motions["y0"] + motions["y1"])
+    chord = dx * dx + dy * dy
+    along = ((motions["cx"] - mx) * dx + (motions["cy"] - my) * dy) / np.where(chord > 0, chord, 1)
+    arc = (motions["turn"] != 0) & (chord > 0)
+    return (
+        np.where(arc, motions["cx"] - along * dx, motions["cx"]),
+        np.where(arc, motions["cy"] - along * dy, motions["cy"]),
+    )
+
+
+def beside(outline: Contour, shift: float) -> tuple[Contour | None, list[Diagnostic]]:
+    """Return the path of the wire beside an open outline, or why the controller cannot make it.
+
+    Args:
+        outline: open, um; ``source`` numbers its blocks.
+        shift: to the left (negative: right), um.
+
+    Returns:
+        The path, closed where the outline ends at its start and the path does.
+    """
+    made, found = compensate([outline], [shift])
+    s = seg.of_rows(outline.starts, outline.ends)
+    if found:
+        places = [(1e3 * x, 1e3 * y) for x, y in found[0].points_mm[:1]]
+        return None, [_lost_error(outline, s, shift, 0, *places)]
+    if made.interference:
+        met = made.interference[0]
+        rows = np.array([*met.rows, met.row])  # the shortest of those that are left out
+        k = int(rows[np.argmin(s.length[rows])])
+        return None, [_lost_error(outline, s, shift, k, met.at)]
+    lost = _lost(outline, s, shift, [p.path for p in made.paths])
+    if lost is not None:
+        return None, [_lost_error(outline, s, shift, lost)]
+    v, o = made.paths[0].path.vertices, outline.vertices
+    closed = o["x"][0] == o["x"][-1] and o["y"][0] == o["y"][-1]
+    closed &= np.hypot(v["x"][-1] - v["x"][0], v["y"][-1] - v["y"][0]) <= CLOSED_UM
+    rows = v[:-1].copy() if closed else v.copy()
+    return Contour(rows, bool(closed), outline.sources), []
+
+
+def _lost(outline: Contour, s: seg.Segments, shift: float, paths: list[Contour]) -> int | None:
+    """Return the first row that the path leaves out or cuts at the wrong place; None if none.
+
+    The path is the controller's where it runs once along every block, in order, from the normal of
+    the first to the normal of the last. An inside radius as large as the offset is a point.
+    """
+    if len(paths) != 1 or paths[0].closed:
+        return 0
+    v = paths[0].vertices
+    block = outline.vertices["source"][:-1]
+    along = v["source"][:-1]
+    once = along[np.concatenate([[True], np.diff(along) != 0])]
+    point = (s.turn * shift > 0) & (np.abs(s.radius - abs(shift)) <= POINT_UM)
+    row = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
+    row = row[~point[row] | np.isin(block[row], once)]
+    same = min(len(row), len(once))
+    off = np.flatnonzero(once[:same] != block[row[:same]])
+    if len(off):
+        return int(row[off[0]])
+    if len(once) != len(row):
+        return int(row[same]) if len(row) > same else int(row[-1])
+    ux, uy = seg.start_tangents(s)
+    wx, wy = seg.end_tangents(s)
+    first = np.hypot(v["x"][0] - s.x0[0] + shift * uy[0], v["y"][0] - s.y0[0] - shift * ux[0])
+    last = np.hypot(v["x"][-1] - s.x1[-1] + shift * wy[-1], v["y"][-1] - s.y1[-1] - shift * wx[-1])
+    if first > BESIDE_UM:
+        return 0
+    return len(s) - 1 if last > BESIDE_UM else None
+
+
+def _lost_error(
+    outline: Contour,
+    s: seg.Segments,
+    shift: float,
+    k: int,
+    at: tuple[float, float] | None = None,
+) -> Diagnostic:
+    x, y = seg.points_at(s.take(np.array([k])), 0.5 * s.length[k : k + 1])
+    px, py = at if at is not None else (float(x[0]), float(y[0]))
+    offset = f"{abs(shift) / 1000:.3f} mm"
+    if s.turn[k] * shift > 0 and s.radius[k] < abs(shift):
+        radius = f"{s.radius[k] / 1000:.3f} mm"
+        what = f"its inside radius of {radius} is smaller than the offset {offset}"
+    else:
+        what = f"with an offset of {offset} nothing is left of it, or it meets another block"
+    return error(
+        "compensation-lost",
+        f"the controller cannot offset this block at ({px / 1000:.3f}, {py / 1000:.3f}) mm from "
+        f"the start of the program: {what}",
+        outline.source_of(k),
+        hint="a smaller offset or larger inside radii (--corner), or a profile that does not leave "
+        "the offset to the controller",
+    )

@@ -1,0 +1,222 @@
+"""ISO programs that the controller offsets itself: what is read, and what is refused where."""
+
+import pytest
+
+from wedmcam import api, conversion, offsets
+from wedmcam.api import positions
+from wedmcam.entered import Entered
+from wedmcam.ir.program import Kind
+from wedmcam.machines import builtin
+from wedmcam.options import WrongUse
+
+UM = builtin("iso-um")
+#: A slot of 10 by 5 mm with a round end, cut counter-clockwise from below; the wire outside.
+SLOT = """G92 X0 Y0
+G91
+G42 D1 G01 X0 Y5000
+G01 X5000 Y0
+G01 X0 Y5000
+G03 X-10000 Y0 I-5000 J0
+G01 X0 Y-5000
+G01 X5000 Y0
+G40 G01 X0 Y-5000
+M02
+"""
+
+
+def read(text, table=(), machine=UM):
+    program, found = offsets.decode(text.encode(), machine, "x.nc", offsets.table_of(table))
+    return program, found
+
+
+def ends(program):
+    return [tuple(p) for p in positions(program, UM)[1].tolist()]
+
+
+def test_the_wire_runs_beside_the_outline_with_arcs_at_outer_corners():
+    program, found = read(SLOT, [(1, 100.0)])
+    assert not found
+    assert ends(program) == [
+        (0, 4900),  # on the normal of the first block
+        (5000, 4900),
+        (5100, 5000),  # about the corner
+        (5100, 10000),
+        (-5100, 10000),
+        (-5100, 5000),
+        (-5000, 4900),
+        (0, 4900),
+        (0, 0),
+        (0, 0),
+    ]
+    lines = [span.line for span in program.spans]
+    assert lines == [3, 4, 4, 5, 6, 7, 7, 8, 9, 10]
+
+
+def test_inner_corners_are_cut_where_neighbours_cross():
+    program, found = read(SLOT.replace("G42", "G41"), [(1, 100.0)])
+    assert not found
+    assert ends(program)[:5] == [
+        (0, 5100),
+        (4900, 5100),
+        (4900, 10000),
+        (-4900, 10000),
+        (-4900, 5100),
+    ]
+
+
+def test_d_of_zero_is_the_outline_itself():
+    program, _ = read(SLOT, [(1, 0.0)])
+    plain, _ = read(SLOT.replace("G42 D1 ", "").replace("G40 ", ""))
+    assert (program.blocks == plain.blocks).all()
+
+
+def test_absolute_millimetres_are_the_same_path():
+    text = SLOT.replace("G91", "G90")
+    for old, new in (
+        ("X0 Y5000", "X0. Y5.D1"),
+        ("X5000 Y0", "X5. Y5."),
+        ("X0 Y5000", "X5. Y10."),
+        ("X-10000 Y0 I-5000 J0", "X-5. Y10. R5."),
+        ("X0 Y-5000", "X-5. Y5."),
+        ("X5000 Y0", "X0. Y5."),
+        ("X0 Y-5000", "X0. Y0."),
+    ):
+        text = text.replace(old, new, 1)
+    one, two = read(SLOT, [(1, 100.0)])[0], read(text.replace("G42 D1", "G42"), [(1, 100.0)])[0]
+    assert (one.blocks == two.blocks).all()
+
+
+def test_modes_on_lines_of_their_own_take_effect_with_the_next_motion():
+    text = SLOT.replace("G42 D1 G01", "D1\nG42\nG01").replace("G40 G01", "G40\nG01")
+    one, two = read(SLOT, [(1, 100.0)])[0], read(text, [(1, 100.0)])[0]
+    assert (one.blocks == two.blocks).all()
+
+
+def test_a_pause_on_the_way_stays_where_it_is():
+    program, found = read(SLOT.replace("G03", "M00\nG03"), [(1, 100.0)])
+    assert not found
+    kinds = program.blocks["kind"].tolist()
+    assert kinds[4] == Kind.PAUSE
+    assert ends(program)[4] == (5100, 10000)
+
+
+def test_an_open_contour_ends_on_the_normal_of_its_last_block():
+    program, found = read("G91\nG41 D7 G01 X0 Y500\nG01 X900 Y900\nG40\nM02\n", [(7, 100.0)])
+    assert not found
+    assert ends(program) == [(-71, 571), (829, 1471), (829, 1471)]
+
+
+def test_a_move_to_the_next_contour_starts_where_the_wire_stands():
+    text = "G91\nG41 D1 G01 Y500\nG01 X900\nG40\nM00\nG01 X1000 Y-500\nM00\nG01 X5\nG01 Y5\nM02\n"
+    program, found = read(text, [(1, 100.0)])
+    assert not found
+    assert program.blocks["kind"].tolist()[3] == Kind.MOVE
+    assert ends(program)[1:4] == [(900, 600), (900, 600), (1900, 0)]
+
+
+def test_a_full_circle():
+    text = "G91\nG41 D1 G01 X5000 Y0\nG03 X0 Y0 I-5000 J0\nG40 G01 X-5000 Y0\nM02\n"
+    program, found = read(text, [(1, 100.0)])
+    assert not found
+    assert ends(program)[:2] == [(4900, 0), (4900, 0)]
+    assert program.blocks["count"].tolist()[:2] == [4900, 4 * 4900]
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line", "said"),
+    [
+        ("G91\nG41 G01 X500\nG01 Y500\nM02", "iso-d", 2, "without a D"),
+        ("G91\nG41 D2 G01 X500\nG01 Y500\nM02", "iso-d", 2, "no offset was given for D2"),
+        ("G91\nG41 D-1 G01 X500\nG01 Y500\nM02", "iso-d", 2, "whole, from 0 on"),
+        ("G91\nG41 D1.5 G01 X500\nG01 Y500\nM02", "iso-d", 2, "whole, from 0 on"),
+        ("G91\nG41 D1 G03 X9 Y9 J9\nG01 Y500\nM02", "compensation-place", 2, "on in an arc"),
+        (
+            "G91\nG41 D1 G01 X500\nG01 Y500\nG40 G03 X9 Y9 J9\nM02",
+            "compensation-place",
+            4,
+            "off in an arc",
+        ),
+        (
+            "G91\nG41 D1 G01 X500\nG01 Y500\nG42 G01 X500\nM02",
+            "compensation-place",
+            4,
+            "change places",
+        ),
+        (
+            "G91\nG41 D1 G01 X500\nG01 Y500\nD3 G01 X500\nM02",
+            "compensation-place",
+            4,
+            "another D",
+        ),
+        (
+            "G91\nG41 D1 G01 X500\nG01 Y500\nD0 G01 X500\nM02",
+            "compensation-place",
+            4,
+            "another D",
+        ),
+        ("G91\nG41 D1 G01 X500\nG00 Y500\nM02", "compensation-place", 3, "G00"),
+        ("G91\nG41 D1 G01 X500\nG40 G01 Y500\nM02", "compensation-place", 2, "no motion follows"),
+        ("G91\nG41 D1 G01 X500\nM02", "compensation-place", 2, "no motion follows"),
+        (
+            "G91\nG41 D1 G01 X500\nG01 Y500\nG40\nG41 D1 G01 X500\nG01 Y500\nM02",
+            "compensation-place",
+            5,
+            "between G40 and this line",
+        ),
+        ("G91\nG41 D1 G01 X99\nG01 Y500\nM02", "compensation-lead", 2, "0.099 mm long"),
+        (
+            "G91\nG41 D1 G01 X500\nG01 Y500\nG03 X-50 Y50 I-50\nG01 X-500\nM02",
+            "compensation-lost",
+            4,
+            "inside radius of 0.050 mm",
+        ),
+        (  # a step lower than the offset in an inner corner: one block ahead is not enough
+            "G91\nG41 D1 G01 X500\nG01 Y500\nG01 X-50\nG01 Y50\nG01 X-50\nG01 Y500\nM02",
+            "compensation-lost",
+            4,
+            "nothing is left",
+        ),
+        (  # a slot narrower than two offsets
+            "G91\nG41 D1 G01 X500\nG01 Y500\nG01 X-150\nG01 Y-500\nM02",
+            "compensation-lost",
+            4,
+            "nothing is left",
+        ),
+    ],
+)
+def test_what_no_controller_can_be_held_to_is_refused_with_its_place(text, code, line, said):
+    _, found = read(text, [(1, 100.0), (3, 50.0), (0, 0.0)])
+    errors = [d for d in found if d.severity.name == "ERROR"]
+    assert errors[0].code == code
+    assert errors[0].span.line == line
+    assert said in errors[0].message
+    assert errors[0].hint
+
+
+def test_without_a_table_the_d_numbers_are_told():
+    _, found = read(SLOT)
+    assert found[0].code == "iso-compensation"
+    assert found[0].hint == "give what is entered at the controller: --d 1=0.1mm"
+
+
+def test_tables():
+    with pytest.raises(WrongUse, match="not negative"):
+        offsets.table_of([(1, -1.0)])
+    with pytest.raises(WrongUse, match="twice"):
+        offsets.table_of([(1, 1.0), (1, 2.0)])
+
+
+def test_the_library_takes_the_table():
+    program, _, found = api.read_program(
+        SLOT.encode(), name="x.nc", entered=Entered(d=((1, 100.0),))
+    )
+    assert not found
+    assert len(program.blocks) == 10
+    proof = api.verify(SLOT.encode(), name="x.nc", d=((1, 100.0),))
+    assert proof.ok
+    made = conversion.convert(SLOT.encode(), to="3b", name="x.nc", entered=Entered(d=((1, 100.0),)))
+    assert made.ok
+    apart, _ = api.diff(SLOT.encode(), made.data, names=("x.nc", "x.3b"), d=((1, 100.0),))
+    assert apart.equal
+    with pytest.raises(WrongUse, match="--d is for ISO"):
+        conversion.convert(made.data, to="iso", name="x.3b", entered=Entered(d=((1, 100.0),)))

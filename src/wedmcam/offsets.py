@@ -33,15 +33,18 @@ def decode(
         file: name for the spans.
         table: D number -> offset, um; None to refuse G41 and G42.
     """
+    from wedmcam.frontends.axes import to_drawing
     from wedmcam.frontends.iso import read
 
     made, found = read(data, machine, file, table)
-    if has_errors(found) or not len(made.motions):
-        return made.program, found
-    from wedmcam.transforms.controlled import applied
+    program = made.program
+    if len(made.motions) and not has_errors(found):
+        from wedmcam.transforms.controlled import applied
 
-    program, more = applied(made, target_of(machine))
-    return (made.program if program is None else program), [*found, *more]
+        # The controller offsets in its own frame: a mirror turns left and right around.
+        done, more = applied(made, target_of(machine))
+        program, found = (program if done is None else done), [*found, *more]
+    return to_drawing(program, machine.axes), found
 
 
 def table_of(given: Given, every: float | None = None) -> Table | None:
@@ -70,7 +73,7 @@ def table_of(given: Given, every: float | None = None) -> Table | None:
 
 
 def target_of(machine: Machine) -> Target:
-    """Return what lowering must know of a text machine."""
+    """Return what lowering must know of a text machine, in the controller's own frame."""
     from wedmcam.transforms.lower import Target
 
     return Target(

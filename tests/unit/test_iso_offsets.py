@@ -193,6 +193,19 @@ def test_what_no_controller_can_be_held_to_is_refused_with_its_place(text, code,
     assert errors[0].hint
 
 
+def test_axes_are_the_controllers_own():
+    """With a mirrored axis what runs to the left at the machine runs to the right as drawn."""
+    from dataclasses import replace
+
+    from wedmcam.machines.machine import Axes
+
+    mirrored = replace(UM, axes=Axes(mirror_x=True))
+    program, found = read(SLOT, [(1, 100.0)], mirrored)
+    assert not found
+    there = positions(program, mirrored)[1] * [-1, 1]
+    assert there.tolist() == positions(read(SLOT, [(1, 100.0)])[0], UM)[1].tolist()
+
+
 def test_without_a_table_the_d_numbers_are_told():
     _, found = read(SLOT)
     assert found[0].code == "iso-compensation"

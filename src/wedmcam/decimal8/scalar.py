@@ -310,6 +310,8 @@ def _comparable(other: Any) -> Decimal | float | int | None:
 
 
 def _binary(a: Any, b: Any, operation: Any) -> Any:
+    if type(a) is Decimal8 and type(b) is Decimal8:
+        return operation(a._m, a._e, b._m, b._e)
     if _comparable(a) is None or _comparable(b) is None:
         return NotImplemented
     return operation(*parts_of(a), *parts_of(b))

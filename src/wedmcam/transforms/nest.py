@@ -60,8 +60,8 @@ def nest(contours: Sequence[Contour]) -> Nesting:
     are no business of this stage; they come out as one inside the other or not at all.
     """
     n = len(contours)
-    if not n:
-        return Nesting((), (), ())
+    if n < 2:
+        return Nesting(tuple(contours), (0,) * n, (-1,) * n)
     extents = np.array([measure.extents(c.vertices, c.closed) for c in contours])
     closed = np.array([c.closed for c in contours])
     box = (extents[:, 0], extents[:, 1], extents[:, 2], extents[:, 3])

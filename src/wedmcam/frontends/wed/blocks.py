@@ -56,6 +56,11 @@ def size(x: Any, y: Any) -> Any:
     return math.hypot(x, y) if isinstance(x, float) else x.hypot(y)
 
 
+def far(x: Any, y: Any) -> float:
+    """Return the length of a vector, in float64: for questions of whether there is one at all."""
+    return math.hypot(float(x), float(y))
+
+
 def root(a: Any) -> Any:
     """Return the square root; what rounding made negative is 0."""
     if a <= 0:
@@ -114,7 +119,7 @@ class Builder:
 
     def line(self, chain: Chain, end: XY, span: TextSpan) -> Block | None:
         """Add a line; None where it has no length."""
-        if self.um(size(*minus(end, chain.here))) < 1e-3:
+        if self.um(far(*minus(end, chain.here))) < 1e-3:
             return None
         chain.blocks.append(Block(end, span))
         return chain.blocks[-1]
@@ -170,16 +175,16 @@ class Builder:
         t = heading(before, chain.blocks[-1], True)
         d = minus(end, chain.here)
         side = cross(t, d)
-        if self.um(size(*d)) < 1e-3 or abs(float(side)) < 1e-6 * float(size(*d)):
+        if self.um(far(*d)) < 1e-3 or abs(float(side)) < 1e-6 * float(size(*d)):
             raise Wrong("the end lies straight ahead or behind: no arc is tangent there")
         r = (d[0] * d[0] + d[1] * d[1]) / (side * 2)
         center = plus(chain.here, (-t[1] * r, t[0] * r))
         return self._arc(chain, 1 if side > 0 else -1, end, center, span)
 
     def _arc(self, chain: Chain, turn: int, end: XY, center: XY, span: TextSpan) -> Block:
-        if self.um(size(*minus(end, chain.here))) < 1e-3:
+        if self.um(far(*minus(end, chain.here))) < 1e-3:
             raise Wrong("this arc ends where it starts: a full circle is 'circle center ...'")
-        if self.um(size(*minus(end, center))) < 1e-3:
+        if self.um(far(*minus(end, center))) < 1e-3:
             raise Wrong("this arc has no radius: its centre is one of its ends")
         chain.blocks.append(Block(end, span, center, turn))
         return chain.blocks[-1]
@@ -218,7 +223,7 @@ class Builder:
             ends[k], starts[j], between[k] = one, two, piece
         out = Chain(starts[0] if blocks else chain.start, chain.span, [], chain.closed)
         for k, b in enumerate(blocks):
-            if float(size(*minus(ends[k], starts[k]))) * self.factor > 1e-3 or len(blocks) == 1:
+            if self.um(far(*minus(ends[k], starts[k]))) > 1e-3 or len(blocks) == 1:
                 out.blocks.append(Block(ends[k], b.span, b.center, b.turn))
             if (added := between[k]) is not None:
                 out.blocks.append(added)

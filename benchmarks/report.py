@@ -64,7 +64,7 @@ def controller_lines(speed, steps):
         )
 
 
-def summary(speed, steps, stages, long, reading, counts, arithmetic, decimals):
+def summary(speed, steps, stages, long, reading, part, counts, arithmetic, decimals):
     """Yield a table of what was to be reached, what was measured, and whether it was reached."""
     rows = []
 
@@ -96,6 +96,8 @@ def summary(speed, steps, stages, long, reading, counts, arithmetic, decimals):
         least, target = bench_read.WANTED[name]
         row(f"reading {name}, blocks a second", f"{least}, target {target}", f"{rate:.0f}",
             rate >= least)  # fmt: skip
+    row("a part program of 2,000 lines, over one of one contour", "1 s", f"{part:.2f}", part < 1,
+        " s")  # fmt: skip
     for r in stages:
         for figures in bench_stages.ARITHMETICS:
             adds = r[figures]["judge_adds"]
@@ -135,6 +137,7 @@ def page(quick):
     stages = bench_stages.rows(1000 if quick else 100_000)
     long = bench_verify.measured(10_000 if quick else 1_000_000)
     reading = bench_read.rates(20_000 if quick else 200_000)
+    part = bench_read.part_seconds(200 if quick else 2000)
     programs = list(bench_forgeries.forgeries.PROGRAMS)[: 1 if quick else None]
     counts, missed = bench_forgeries.rates(programs, 20)
     yield "# Benchmarks"
@@ -148,7 +151,7 @@ def page(quick):
     yield ""
     yield "## What was to be reached"
     yield ""
-    yield from summary(speed, steps, stages, long, reading, counts, arithmetic, decimals)
+    yield from summary(speed, steps, stages, long, reading, part, counts, arithmetic, decimals)
     yield ""
     yield "## Start, and small parts"
     yield ""

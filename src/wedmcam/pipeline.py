@@ -142,13 +142,15 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
 
 def _transforms(options: Options, run: Run) -> list[Any]:
     """Return what ``--transform`` says, parsed."""
-    from wedmcam.transforms import figures
+    if not options.transforms:
+        return []
+    from wedmcam.frontends.wed import parse_transform
 
     texts = options.transforms
     names = [
         "--transform" if len(texts) == 1 else f"--transform {k + 1}" for k in range(len(texts))
     ]
-    parsed = [figures.parse_transform(text, name) for text, name in zip(texts, names, strict=True)]
+    parsed = [parse_transform(text, name) for text, name in zip(texts, names, strict=True)]
     run.add("transform", [d for _, found in parsed for d in found])
     return [t for t, _ in parsed if t is not None]
 

@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 
 from wedmcam.arithmetic import FLOAT64
 from wedmcam.decimal8 import DECIMAL8
+from wedmcam.frontends.wed import parse_transform
 from wedmcam.geom.measure import length
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.transforms.compensate import compensate
-from wedmcam.transforms.figures import Motion, moved, parse_transform, transformed
+from wedmcam.transforms.figures import Motion, moved, transformed
 
 um = st.integers(-500_000, 500_000)
 quick = settings(max_examples=40, deadline=None)

@@ -9,6 +9,7 @@ import pytest
 from wedmcam.arithmetic import FLOAT64
 from wedmcam.decimal8 import DECIMAL8
 from wedmcam.diag import EntityRef, Severity, TextSpan
+from wedmcam.frontends.wed import parse_transform
 from wedmcam.geom.measure import area, extents
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.sketch import ThreadPoint
@@ -21,7 +22,6 @@ from wedmcam.transforms.figures import (
     Symmetry,
     Translate,
     With,
-    parse_transform,
     transformed,
 )
 
@@ -228,7 +228,7 @@ def test_threads_follow_and_do_not_double():
 
 def test_words_as_values():
     assert parse_transform("translate (12, -0.25) copies 4")[0] == Translate(12_000, -250, 4)
-    assert parse_transform("ROTATE 360/7 about (1,2) copies 6")[0] == Rotate(
+    assert parse_transform("rotate 360/7 about (1,2) copies 6")[0] == Rotate(
         Fraction(360, 7), 6, (1000.0, 2000.0)
     )
     assert parse_transform("with symmetry y | mirror 135 | reverse")[0] == Sequence(
@@ -241,27 +241,27 @@ def test_words_as_values():
 @pytest.mark.parametrize(
     ("text", "code", "column", "length", "hint"),
     [
-        ("rotat 10", "transform-syntax", 1, 5, "did you mean 'rotate'?"),
-        ("rotate 10 copies 0", "transform-value", 18, 1, "the figure itself"),
-        ("rotate 10 copies 100", "transform-value", 18, 3, "the figure itself"),
-        ("rotate 10 copies 1.5", "transform-value", 18, 3, "the figure itself"),
-        ("rotate 10 copies -3", "transform-value", 18, 2, "the figure itself"),
-        ("rotate 10 copys 3", "transform-syntax", 11, 5, "did you mean 'copies'?"),
-        ("rotate 10 copies 3 copies 4", "transform-syntax", 20, 6, ""),
-        ("rotate", "transform-syntax", 7, 1, ""),
-        ("translate 12, 0", "transform-syntax", 11, 2, ""),
-        ("translate (12mm, 0)", "transform-syntax", 14, 2, "numbers stand alone"),
-        ("translate (1/0, 0)", "transform-value", 13, 1, ""),
-        ("translate (1e9, 0)", "transform-value", 12, 3, ""),
-        ("symmetry z", "transform-syntax", 10, 1, ""),
-        ("mirror 90", "transform-value", 8, 2, "any other line"),
-        ("with", "transform-syntax", 5, 1, ""),
-        ("reverse 3", "transform-syntax", 9, 1, ""),
-        ("  § rotate 3", "transform-syntax", 3, 1, ""),
-        ("", "transform-syntax", 1, 1, ""),
-        ("rotate " + "(" * 5000, "transform-syntax", 68, 1, ""),
-        ("rotate 9^64^64", "transform-value", 9, 1, ""),
-        ("rotate 10 copies " + "*".join(["9^64"] * 9), "transform-value", 18, 44, ""),
+        ("rotat 10", "wed-syntax", 1, 5, "did you mean 'rotate'?"),
+        ("rotate 10 copies 0", "wed-value", 18, 1, "the figure itself"),
+        ("rotate 10 copies 100", "wed-value", 18, 3, "the figure itself"),
+        ("rotate 10 copies 1.5", "wed-value", 18, 3, "the figure itself"),
+        ("rotate 10 copies -3", "wed-value", 18, 2, "the figure itself"),
+        ("rotate 10 copys 3", "wed-syntax", 11, 5, "did you mean 'copies'?"),
+        ("rotate 10 copies 3 copies 4", "wed-syntax", 20, 8, ""),
+        ("rotate", "wed-syntax", 6, 1, ""),
+        ("translate 12, 0", "wed-syntax", 13, 1, ""),
+        ("translate (12mm, 0)", "wed-syntax", 14, 2, "numbers stand alone"),
+        ("translate (1/0, 0)", "wed-value", 12, 3, ""),
+        ("translate (1e9, 0)", "wed-value", 11, 8, ""),
+        ("symmetry z", "wed-value", 10, 1, ""),
+        ("mirror 90", "wed-value", 8, 2, "any other line"),
+        ("with", "wed-syntax", 4, 1, ""),
+        ("reverse 3", "wed-syntax", 9, 1, ""),
+        ("  § rotate 3", "wed-syntax", 3, 1, ""),
+        ("", "wed-syntax", 1, 1, ""),
+        ("rotate " + "(" * 5000, "wed-syntax", 108, 1, ""),
+        ("rotate 9^64^64", "wed-value", 10, 5, ""),
+        ("rotate 10 copies " + "*".join(["9^64"] * 9), "wed-value", 18, 4, ""),
     ],
 )
 def test_what_cannot_be_read(text, code, column, length, hint):
@@ -275,14 +275,14 @@ def test_what_cannot_be_read(text, code, column, length, hint):
 
 def test_all_errors_of_a_pipeline():
     _, found = parse_transform("rotat 1 | rotate 10 copies 0 | mirror 30 | translate (1, 2")
-    assert [d.span.column for d in found if isinstance(d.span, TextSpan)] == [1, 28, 39, 59]
+    assert [d.span.column for d in found if isinstance(d.span, TextSpan)] == [1, 28, 39, 58]
 
 
 def test_values_from_elsewhere_have_limits_too():
     for t in (Rotate(Fraction(1), 100), Rotate(Fraction(1), -1), Translate(1, 0, 10_000)):
         made, found = transformed((KEY,), t, FLOAT64)
         assert made is None
-        assert found[0].code == "transform-value"
+        assert found[0].code == "wed-value"
 
 
 def test_closed_contours_of_a_drawing_run_counter_clockwise():

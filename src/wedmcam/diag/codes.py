@@ -237,7 +237,7 @@ CODES: dict[str, Code] = {
     ),
     # --- part programs (.wed) ---------------------------------------------------------------
     "wed-syntax": Code(
-        "A statement or a block of a part program that cannot be read, at the column named.",
+        "A statement or a block of a part program, or a --transform, that cannot be read.",
         "Nothing is guessed: another word would make another part.",
         "Write it as the message says; docs/language.md has every form.",
     ),
@@ -247,7 +247,7 @@ CODES: dict[str, Code] = {
         "Points are (x, y); figures are named by contour, or by let with a pipeline.",
     ),
     "wed-value": Code(
-        "A value of a part program is out of range, or no number at all.",
+        "A value of a part program or of --transform is out of range, or no number at all.",
         "A root of a negative number or a thousand turns is a typing error.",
         "Give what the message asks for.",
     ),
@@ -282,16 +282,6 @@ CODES: dict[str, Code] = {
         "Leave it out, or change the part program.",
     ),
     # --- figure transforms -----------------------------------------------------------------
-    "transform-syntax": Code(
-        "A transform that cannot be read, at the column named.",
-        "Nothing is guessed: another word would make another part.",
-        "Write it as the message says, for instance rotate 10 copies 35 about (0, 0).",
-    ),
-    "transform-value": Code(
-        "A number of a transform is out of range.",
-        "The ZD-065 makes 1 to 99 rotated copies; other numbers are typing errors.",
-        "Give what the message asks for.",
-    ),
     "figure-join": Code(
         "Open chains of a figure and its copies met and became one chain.",
         "The wire runs through them without a break; gaps under a micron are closed.",

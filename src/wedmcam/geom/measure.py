@@ -10,7 +10,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.geom.segments import TAU, Floats, Ints, Segments, boxes, of_rows, points_at
+from wedmcam.geom.segments import (
+    TAU,
+    Floats,
+    Ints,
+    Segments,
+    boxes,
+    following,
+    of_rows,
+    points_at,
+)
 
 Rows = NDArray[np.void]
 Box = tuple[float, float, float, float]
@@ -23,7 +32,7 @@ SERIES_BELOW = 0.05
 def segments_of(rows: Rows, closed: bool) -> Segments:
     """Return the segments of a contour as columns, in its order."""
     if closed:
-        return of_rows(rows, np.roll(rows, -1))
+        return of_rows(rows, following(rows))
     return of_rows(rows[:-1], rows[1:])
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Span
+from wedmcam.geom.segments import following
 
 #: One row per vertex, um. Row i opens the segment to row i + 1 (to row 0 if closed).
 #: (cx, cy): centre of an arc, not used for a line. turn: +1 counter-clockwise, -1 clockwise, 0 a
@@ -61,7 +62,7 @@ class Contour:
     @property
     def ends(self) -> NDArray[np.void]:
         """The row in which each segment ends, shape (segments,)."""
-        return np.roll(self.vertices, -1) if self.closed else self.vertices[1:]
+        return following(self.vertices) if self.closed else self.vertices[1:]
 
     def __len__(self) -> int:
         """How many segments there are."""

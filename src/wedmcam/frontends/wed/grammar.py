@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from wedmcam.diag import Diagnostic, error
 from wedmcam.frontends.wed.chunks import COMMANDS, STATEMENTS, Source
 
-ENTRIES = ("program", "statement", "heading", "command", "transforms", "expression")
+ENTRIES = ("program", "statement", "heading", "command", "transform", "expression")
 #: Parentheses, signs and powers of one piece: so that nesting stays shallow.
 MOST_NESTED = 100
 #: Tokens of one piece, about.
@@ -148,7 +148,8 @@ def _expected(source: Source, text: str, start: int, why: Any, entry: str) -> Di
     names = set(getattr(why, "accepts", None) or getattr(why, "expected", None) or ())
     names |= set(getattr(why, "allowed", None) or ())
     names -= {"$END"}
-    at = None if why.pos_in_stream is None else why.pos_in_stream - start
+    at = why.pos_in_stream  # in the whole text; None at its end
+    at = None if at is None else at - start
     if token is None and at is not None and at < len(text):
         word = text[at]
         seen, length = f"'{word}' has no meaning here", 1

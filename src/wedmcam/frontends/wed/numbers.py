@@ -64,6 +64,7 @@ class Numbers:
 
     def __init__(self, arithmetic: str) -> None:
         self.name = arithmetic
+        self.literals: dict[str, Number] = {}  # half of a long program's numbers stand there twice
         self.make: Callable[[Any], Any] = float
         if arithmetic != "float64":
             from wedmcam.decimal8 import Decimal8
@@ -72,12 +73,15 @@ class Numbers:
 
     def literal(self, text: str) -> Number:
         """Return the number that a text says."""
+        if text in self.literals:
+            return self.literals[text]
         size = abs(float(text))
         if len(text) > 60 or not size <= LARGEST:
             raise Wrong("this number is beyond 10^15, or has more digits than anybody can use")
         if size < 1e-30 and any(c in "123456789" for c in text.lower().split("e")[0]):
             raise Wrong("this number is too small to work with")
-        return Number(self.make(text), _kept(_exact(text)))
+        self.literals[text] = Number(self.make(text), _kept(_exact(text)))
+        return self.literals[text]
 
     def of(self, value: Fraction | int | float) -> Number:
         """Return a number of ours."""

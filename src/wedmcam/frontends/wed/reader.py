@@ -12,6 +12,7 @@ from wedmcam.frontends.wed.grammar import Node, parsed
 from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong
 from wedmcam.frontends.wed.values import FACTORS, KNOWN, Scope, Stop, Value, kind_of, near
 from wedmcam.ir.contour import Contour
+from wedmcam.ir.figure import Sequence as Stages
 from wedmcam.ir.figure import Transform
 from wedmcam.ir.part import CutItem, Part, Shape
 
@@ -62,20 +63,39 @@ def read(
     return (None if has_errors(found) else part), found
 
 
-def parse_transform(text: str, name: str) -> tuple[list[Transform] | None, list[Diagnostic]]:
-    """Return the transforms of a ``--transform`` text, in mm."""
+def parse_transform(
+    text: str, name: str = "--transform"
+) -> tuple[Transform | None, list[Diagnostic]]:
+    """Return the transform that a text describes; lengths are mm.
+
+    Args:
+        text: one transform, or several with ``|`` between them, first one first.
+        name: of the text, for the places of findings.
+
+    Returns:
+        The transform, or None when there is an error; the mistakes of all of them.
+
+    >>> parse_transform("rotate 10 copies 35 about (0, 0)")[0]
+    Rotate(degrees=Fraction(10, 1), copies=35, about=(0.0, 0.0))
+    >>> parse_transform("mirorr 45")[1][0].hint
+    "did you mean 'mirror'?"
+    """
     source = Source(text, name)
-    tree, found = parsed(source, "transforms", 0, len(text))
-    if tree is None:
-        return None, found
     scope = Scope(source, Numbers("float64"))
-    out = []
-    for node in tree.items:
-        try:
-            out.append(scope.transform(node))
-        except Stop:
-            continue
-    return (None if scope.found else out), scope.found
+    out: list[Transform] = []
+    at = 0
+    for stage in text.split("|"):
+        start = at + len(stage) - len(stage.lstrip())
+        end = max(at + len(stage.rstrip()), start)
+        at += len(stage) + 1
+        tree, found = parsed(source, "transform", start, end)
+        scope.found += found
+        if tree is not None:
+            with contextlib.suppress(Stop):
+                out.append(scope.transform(tree))
+    if scope.found:
+        return None, scope.found
+    return (out[0] if len(out) == 1 else Stages(tuple(out))), []
 
 
 class _Reader:

@@ -42,7 +42,6 @@ from wedmcam.transforms.figures.motion import (
     numbered,
     whole_origin,
 )
-from wedmcam.transforms.figures.words import parse_transform
 from wedmcam.transforms.joints import near_pairs
 
 #: More segments than this are a typing error and not a part.
@@ -119,7 +118,7 @@ def _numbers(copies: int) -> range:
 def _limits(figure: Figure, copies: int, most: int) -> list[Diagnostic]:
     """Return an error for too many copies (the parser has said it with its place)."""
     if not (isinstance(copies, int) and 0 <= copies <= most):
-        return [error("transform-value", f"copies are a whole number up to {most}, not {copies}")]
+        return [error("wed-value", f"copies are a whole number up to {most}, not {copies}")]
     total = (copies + 1) * sum(len(c) for c in figure)
     if total > MOST_SEGMENTS:
         return [
@@ -220,6 +219,5 @@ __all__ = [
     "idle_reverse",
     "join_chains",
     "moved",
-    "parse_transform",
     "transformed",
 ]

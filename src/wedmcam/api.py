@@ -271,6 +271,8 @@ def _summary(
         version=__version__,
     )
     result["arithmetic"] = options.arithmetic
+    step = machine.axes.step_um
+    result["step_um"] = int(step) if step == int(step) else step
     if machine.name not in machines.names() or machine != machines.builtin(machine.name):
         from wedmcam.machines.printed import as_toml
 
@@ -510,6 +512,7 @@ def _judged(
 
     from wedmcam.judge.fit import fit
     from wedmcam.judge.judge import judge
+    from wedmcam.judge.unit import in_steps
 
     table = LineTable(machine.table)
     textbook = pipeline.count_of(machine, options) == "textbook"
@@ -527,11 +530,12 @@ def _judged(
 
     unfit: list[Diagnostic] = []
     if origin_mm is not None:
-        origin = (round(1000 * origin_mm[0]), round(1000 * origin_mm[1]))
+        per_mm = 1000.0 / decoded.step_um
+        origin = (round(per_mm * origin_mm[0]), round(per_mm * origin_mm[1]))
         placed = replace(decoded, origin=origin)
         verdict, found = at(placed)
     else:
-        placed = replace(decoded, origin=plan.cuts[0].thread)
+        placed = replace(decoded, origin=in_steps(plan, decoded.step_um).cuts[0].thread)
         verdict, found = at(placed)
         if not verdict.ok:
             fitted, notes = fit(decoded, plan, table=table)
@@ -782,14 +786,9 @@ def path_drawing(program: Program, machine: Machine) -> bytes:
 
 def positions(program: Program, machine: Machine) -> tuple[Any, Any]:
     """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
-    import numpy as np
+    from wedmcam.source_map import block_ends
 
-    from wedmcam.controller import run as run_blocks
-
-    motion = run_blocks(program.blocks, LineTable(machine.table))
-    ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
-    starts = ends - np.column_stack([motion.dx, motion.dy])
-    return starts, ends
+    return block_ends(program, machine)
 
 
 def _plot_facts(made: Compilation | Proof) -> dict[str, str]:

@@ -26,7 +26,7 @@ from wedmcam.machines import Machine
 if TYPE_CHECKING:
     from wedmcam.judge.difference import Difference
 
-#: How far the two step paths may be apart, um.
+#: How far the two step paths may be apart, um; a step where that is more.
 WITHIN_UM = 1.0
 
 #: In how many parts an arc is written in the part language, at most.
@@ -198,7 +198,8 @@ def between(
     found += [d for d in more if d.severity is Severity.ERROR]
     if has_errors(found):
         return None, made, None, found
-    apart = difference(program, made, table, LineTable(machine.table), WITHIN_UM)
+    within = WITHIN_UM * max(1.0, program.step_um)
+    apart = difference(program, made, table, LineTable(machine.table), within)
     if not apart.equal:
         found.append(_differs(machine.format, program, apart))
     return (data if apart.equal else None), made, apart, found
@@ -278,7 +279,7 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
             text = f"the part program made of this program does not compile: {why.message}"
             hint = "convert to .dxf, which takes any path"
             return b"", [*found, error("conversion-differs", text, hint=hint)]
-        apart = difference(program, made.program, *tables, WITHIN_UM)
+        apart = difference(program, made.program, *tables, WITHIN_UM * max(1.0, program.step_um))
         if apart.equal:
             return data, found
         i = apart.block_a - 1

@@ -119,6 +119,6 @@ def moves(loads: tuple[Compilation, ...]) -> list[dict[str, Any]]:
         assert before.program is not None
         assert load.program is not None
         _, ends = api.positions(before.program, before.machine)
-        here, there = ends[-1], np.array(load.program.origin)
+        here, there = ends[-1], np.array(load.program.origin_um)
         out.append({"start_um": there.tolist(), "move_um": (there - here).tolist()})
     return out

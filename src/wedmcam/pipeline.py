@@ -255,7 +255,7 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     block = int(left[0])
     cut = int(cuts[like[block]])
     starts, _ = block_ends(program, machine)
-    at = (int(starts[block][0]), int(starts[block][1]))
+    at = (round(starts[block][0]), round(starts[block][1]))
     if roles[like[block]] == Role.LEAD_IN or cut != int(cuts[like[cutting[0]]]):
         # Nothing of this contour was cut.
         if options.backwards:
@@ -264,10 +264,12 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     before = (lowered.blocks["cut"] == cut) & (roles == Role.CONTOUR)
     before[int(like[block]) :] = False
     motion = stepped(lowered.blocks, LineTable(machine.table))
-    share = np.hypot(motion.dx, motion.dy)  # chords: good enough to tell two passes apart
+    # Chords: good enough to tell two passes apart.
+    share = np.hypot(motion.dx, motion.dy) * lowered.step_um
     arc = lowered.blocks["kind"] == Kind.ARC
-    share[arc] = motion.steps[arc] * (np.pi / 4)  # a turn takes 8 R steps
-    found = rest(made, cut - 1, at, float(share[before].sum()), options.backwards)
+    share[arc] = motion.steps[arc] * (np.pi / 4) * lowered.step_um  # a turn takes 8 R steps
+    along = float(share[before].sum())
+    found = rest(made, cut - 1, at, along, options.backwards, lowered.step_um)
     if found is None:
         raise WrongUse(f"block {n} of the program lies on no contour")
     return found
@@ -290,6 +292,7 @@ def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
         line_um=machine.limits.line_um,
         arc_um=machine.limits.arc_um,
         textbook=count_of(machine, options) == "textbook",
+        step_um=machine.axes.step_um,
     )
     return run("lower", lower_plan(made, target))
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from wedmcam.controller import run as run_blocks
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.ir.program import Kind
+from wedmcam.source_map import block_ends
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation
@@ -33,7 +33,7 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
     assert made.verdict is not None
     assert made.plan is not None
     v, m, program = made.verdict, made.machine, made.program
-    x0, y0 = program.origin
+    x0, y0 = program.origin_um
     facts = [
         ("program", name),
         ("made of", str(made.summary["input"])),
@@ -75,15 +75,18 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
 
 def _axes(machine: Machine) -> str:
     """Return how the drawing lies on the machine: which way its axes run there."""
-    if not machine.axes.said:
-        return "as in the drawing"
     a = machine.axes
+    if not a.said:
+        return "as in the drawing"
+    step = f"steps of {a.step_um:g} um" if a.step_um != 1 else ""
+    if a.plain:
+        return f"as in the drawing; {step}"
     names = ("Y", "X") if a.exchange else ("X", "Y")
     runs = [
         f"+{own} of the drawing is {'-' if mirrored else '+'}{name} of the machine"
         for own, mirrored, name in zip("xy", (a.mirror_x, a.mirror_y), names, strict=True)
     ]
-    return f"{', '.join(runs)}; all places here are the drawing's"
+    return f"{', '.join(runs)}{f'; {step}' if step else ''}; all places here are the drawing's"
 
 
 def _time(path_mm: float, feed_um: float | None) -> str:
@@ -91,17 +94,14 @@ def _time(path_mm: float, feed_um: float | None) -> str:
 
 
 def _ends(made: Compilation) -> Any:
-    import numpy as np
-
     assert made.program is not None
-    moves = run_blocks(made.program.blocks, LineTable(made.machine.table))
-    return np.column_stack([np.cumsum(moves.dx), np.cumsum(moves.dy)]) + made.program.origin
+    return block_ends(made.program, made.machine)[1]
 
 
 def _start(made: Compilation, row: int) -> tuple[float, float]:
     assert made.program is not None
     if row == 0:
-        return made.program.origin
+        return made.program.origin_um
     x, y = _ends(made)[row - 1]
     return float(x), float(y)
 
@@ -112,7 +112,7 @@ def _stops(made: Compilation) -> list[tuple[str, ...]]:
     kinds = made.program.blocks["kind"]
     ends = _ends(made)
     out: list[tuple[str, ...]] = [
-        ("before 1", _mm(made.program.origin), "thread the wire through T1; generator on")
+        ("before 1", _mm(made.program.origin_um), "thread the wire through T1; generator on")
     ]
     thread = 1
     for row, kind in enumerate(kinds.tolist()):

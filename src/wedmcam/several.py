@@ -108,7 +108,8 @@ def _compared(made: list[Compilation]) -> Several:
     for other in made:
         assert other.program is not None
         tables = LineTable(first.machine.table), LineTable(other.machine.table)
-        found = difference(first.program, other.program, *tables, WITHIN_UM)
+        within = WITHIN_UM * max(1.0, first.program.step_um)
+        found = difference(first.program, other.program, *tables, within)
         apart.append(found.largest_um)
         if not found.equal:
             x, y = found.at[0] / 1000, found.at[1] / 1000

@@ -19,7 +19,7 @@ from wedmcam.diag import EntityRef, Span, TextSpan
 from wedmcam.frontends.dump import where_of
 from wedmcam.geom import measure
 from wedmcam.geom import segments as seg
-from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.ir.program import Kind, LineTable, Program, Role, in_um
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]
@@ -74,7 +74,7 @@ def source_map(
         "map": VERSION,
         **{key: summary[key] for key in ("input", "output", "format", "profile")},
         "sha256": {key: summary["sha256"][key] for key in ("input", "output")},
-        "origin_um": list(program.origin),
+        "origin_um": list(program.origin_um),
         "blocks": rows,
     }
 
@@ -129,7 +129,8 @@ def block_ends(program: Program, machine: Machine) -> tuple[Ints, Ints]:
     """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
     motion = run_blocks(program.blocks, LineTable(machine.table))
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
-    return ends - np.column_stack([motion.dx, motion.dy]), ends
+    starts = ends - np.column_stack([motion.dx, motion.dy])
+    return in_um(starts, program.step_um), in_um(ends, program.step_um)
 
 
 def matched(lowered: Program, program: Program, machine: Machine) -> Ints:
@@ -154,7 +155,8 @@ def _drawn(program: Program, machine: Machine, rows: Ints) -> seg.Segments:
     starts, ends = (p[rows].astype(float) for p in block_ends(program, machine))
     b = program.blocks[rows]
     turn = b["turn"].astype(np.int8)
-    cx, cy = starts[:, 0] - b["x"], starts[:, 1] - b["y"]
+    cx = starts[:, 0] - b["x"] * program.step_um
+    cy = starts[:, 1] - b["y"] * program.step_um
     return seg.make(
         *(starts[:, 0].copy(), starts[:, 1].copy(), ends[:, 0].copy(), ends[:, 1].copy()),
         *(np.where(turn != 0, cx, 0.0), np.where(turn != 0, cy, 0.0), turn),

@@ -1,4 +1,4 @@
-"""The step from the drawing's frame to the controller's, behind which a writer stands.
+"""From the drawing's frame to the controller's: what a program goes through before its writer.
 
 Everything above works in the frame of the drawing; a program is in that of the controller. The
 reader has a way back of its own (``frontends.axes``), so that a round trip proves something.
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.diag import error
 from wedmcam.ir.program import Axis, Program
 from wedmcam.machines import Axes, Machine
 
@@ -56,6 +57,11 @@ def in_frame(encode: Any) -> Any:
     def encode_in_frame(
         program: Program, machine: Machine, positions: NDArray[np.int64] | None = None, **more: Any
     ) -> Any:
+        here, there = program.step_um, machine.axes.step_um
+        if here != there:
+            what = f"the program counts steps of {here:g} um, {machine.name} steps of {there:g} um"
+            cure = "compile the drawing for it, or convert the program to .dxf and compile that"
+            return b"", [error("other-step", f"{what}: it cannot go the same path", hint=cure)]
         if positions is not None:
             more["positions"] = places(positions, machine.axes)
         return encode(to_controller(program, machine.axes), machine, **more)

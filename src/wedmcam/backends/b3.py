@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.fit import Checks, ends, mm, travel
+from wedmcam.backends.fit import Checks, ends, travel
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, lines, quadrants
+from wedmcam.formats.lengths import mm_of
 from wedmcam.ir.program import Axis, Kind, LineTable, Program
 from wedmcam.machines import Layout, Machine
 
@@ -124,6 +125,7 @@ def _fields(
     checks: Checks, machine: Machine
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint8], NDArray[np.int64]]:
     """Return x, y (signed), axis and J to write, and report what does not fit."""
+    mm = mm_of(machine.axes.step_um)
     blocks, limits = checks.program.blocks, machine.limits
     x, y, count, axis = (blocks[k].copy() for k in ("x", "y", "count", "axis"))
     arc = blocks["kind"] == Kind.ARC

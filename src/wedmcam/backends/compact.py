@@ -11,9 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.fit import Checks, mm, travel
+from wedmcam.backends.fit import Checks, travel
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import compact, lines, quadrants
+from wedmcam.formats.lengths import mm_of
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Machine
 
@@ -96,6 +97,7 @@ def _fields(
     checks: Checks, machine: Machine, arc: NDArray[np.bool_], straight: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Return x, y (signed) and J to write, and report what does not fit."""
+    mm = mm_of(machine.axes.step_um)
     blocks, limits = checks.program.blocks, machine.limits
     x, y, count = (np.where(arc | straight, blocks[k], 0) for k in ("x", "y", "count"))
     axis = blocks["axis"]

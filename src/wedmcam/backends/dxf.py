@@ -60,6 +60,7 @@ def _written(program: Program, machine: Machine) -> bytes:
         drawing.layers.add(name, color=colour)
     space = drawing.modelspace()
     motion = run(program.blocks, LineTable(machine.table))
+    per_mm = 1000 / program.step_um
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])
     found = stretches(program.blocks, starts, ends)
@@ -67,15 +68,16 @@ def _written(program: Program, machine: Machine) -> bytes:
     threads, stops = _points(found, starts, ends)
     for layer, places in (("START", threads), ("STOP", stops)):
         for x, y in places:
-            space.add_point((x / 1000, y / 1000), dxfattribs={"layer": layer})
+            space.add_point((x / per_mm, y / per_mm), dxfattribs={"layer": layer})
     for i in np.flatnonzero(program.blocks["kind"] <= Kind.MOVE).tolist():
         attributes = {"layer": layers[i]}
         (x0, y0), (x1, y1) = starts[i].tolist(), ends[i].tolist()
         b = program.blocks[i]
         if b["kind"] == Kind.ARC:
-            _add_arc(space, b, (x0, y0), (x1, y1), int(motion.steps[i]), attributes)
+            _add_arc(space, b, (x0, y0), (x1, y1), int(motion.steps[i]), per_mm, attributes)
         elif (x0, y0) != (x1, y1):
-            space.add_line((x0 / 1000, y0 / 1000), (x1 / 1000, y1 / 1000), dxfattribs=attributes)
+            place = (x0 / per_mm, y0 / per_mm)
+            space.add_line(place, (x1 / per_mm, y1 / per_mm), dxfattribs=attributes)
     text = io.StringIO()
     drawing.write(text)
     return text.getvalue().encode("cp1252")
@@ -87,9 +89,13 @@ def _add_arc(
     start: tuple[int, int],
     end: tuple[int, int],
     steps: int,
+    per_mm: float,
     attributes: dict[str, str],
 ) -> None:
-    """Add the arc of a block; a whole turn is a circle, and what it runs beyond an arc."""
+    """Add the arc of a block; a whole turn is a circle, and what it runs beyond an arc.
+
+    ``start`` and ``end`` are in steps.
+    """
     turn, ax, ay = int(b["turn"]), float(b["x"]), float(b["y"])
     radius = float(np.hypot(ax, ay))
     cx, cy = float(start[0] - ax), float(start[1] - ay)
@@ -99,8 +105,8 @@ def _add_arc(
     # A turn takes 8 R steps: that tells an arc that just passes its start from a short one.
     sweep += TAU * round((steps / (8.0 * radius) * TAU - sweep) / TAU)
     if sweep > TAU - 1e-12:
-        centre = (cx / 1000, cy / 1000)
-        space.add_circle(centre, radius / 1000, dxfattribs=attributes)
+        centre = (cx / per_mm, cy / per_mm)
+        space.add_circle(centre, radius / per_mm, dxfattribs=attributes)
     if start == end:
         return
     # The centre on the middle line of both ends, as near as may be: that moves it along the chord.
@@ -114,7 +120,11 @@ def _add_arc(
         a, z = z, a
     r = float(np.hypot(start[0] - cx, start[1] - cy))
     space.add_arc(
-        (cx / 1000, cy / 1000), r / 1000, float(a % 360), float(z % 360), dxfattribs=attributes
+        (cx / per_mm, cy / per_mm),
+        r / per_mm,
+        float(a % 360),
+        float(z % 360),
+        dxfattribs=attributes,
     )
 
 

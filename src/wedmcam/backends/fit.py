@@ -121,7 +121,7 @@ def travel(program: Program, machine: Machine) -> list[Diagnostic]:
     limit = machine.limits.travel_um
     if limit is None or not len(program.blocks):
         return []
-    low, high = extents(program, machine)
+    low, high = (e * machine.axes.step_um for e in extents(program, machine))
     return [
         error(
             "over-travel",

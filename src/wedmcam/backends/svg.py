@@ -22,6 +22,8 @@ from wedmcam.ir.sketch import ThreadPoint
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+#: In um: whole numbers where a step of the machine is.
+Places = NDArray[np.int64] | NDArray[np.float64]
 
 #: Up to so many cutting blocks have a path and a tool tip each; above, a cut is one path.
 DETAILED = 4000
@@ -148,8 +150,11 @@ def _of_contour(contour: Contour) -> _Segments:
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
 
 
-def _of_blocks(blocks: NDArray[np.void], starts: Ints, ends: Ints) -> _Segments:
+def _of_blocks(blocks: NDArray[np.void], starts: Places, ends: Places, step_um: float) -> _Segments:
     """Return blocks as segments; arcs about their own centre, to where they really end."""
+    per_mm = 1000 / step_um
+    if step_um != 1:
+        starts, ends = starts / step_um, ends / step_um
     arc = (blocks["kind"] == Kind.ARC) & (blocks["turn"] != 0)
     turn = blocks["turn"].astype(float)
     centre = starts - np.column_stack([blocks["x"], blocks["y"]])
@@ -164,7 +169,7 @@ def _of_blocks(blocks: NDArray[np.void], starts: Ints, ends: Ints) -> _Segments:
     sweep = np.where(full & (sweep < math.pi), sweep + 2 * math.pi, sweep)
     sweep = np.where(closes & ~full & (sweep > math.pi), 0.0, sweep)
     sweep = np.where(arc, sweep * turn, 0.0)
-    (x0, y0), (x1, y1), (cx, cy) = starts.T / 1000, ends.T / 1000, centre.T / 1000
+    (x0, y0), (x1, y1), (cx, cy) = (p.T / per_mm for p in (starts, ends, centre))
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
 
 
@@ -179,8 +184,8 @@ def _outline_path(contour: Contour) -> str:
 
 def plot(
     program: Program,
-    starts: Ints,
-    ends: Ints,
+    starts: Places,
+    ends: Places,
     *,
     plan: Plan | None = None,
     title: str = "",
@@ -204,10 +209,9 @@ def plot(
         marks: findings whose ``points_mm`` are ringed.
         kerf: shade what the wire removes, 2 x offset wide.
     """
-    starts, ends = np.asarray(starts, np.int64), np.asarray(ends, np.int64)
     blocks = program.blocks
     assert starts.shape == ends.shape == (len(blocks), 2)
-    segments = _of_blocks(blocks, starts, ends)
+    segments = _of_blocks(blocks, starts, ends, program.step_um)
     told = dict(facts or {})
     if plan is not None:
         told.setdefault("offset", f"{plan.offset_um / 1000:.3f} mm")
@@ -258,7 +262,7 @@ def _cut_numbers(blocks: NDArray[np.void]) -> Ints:
 
 
 def _threads(
-    program: Program, starts: Ints, plan: Plan | None
+    program: Program, starts: Places, plan: Plan | None
 ) -> list[tuple[tuple[int, int], int]]:
     """Return thread points, um, and the cut each serves."""
     if plan is not None:
@@ -267,7 +271,9 @@ def _threads(
     cut = _cut_numbers(blocks)
     cutting = np.flatnonzero((blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.ARC))
     _, first = np.unique(cut[cutting], return_index=True)
-    places = [(int(cut[i]), int(starts[i, 0]), int(starts[i, 1])) for i in cutting[np.sort(first)]]
+    places = [
+        (int(cut[i]), round(starts[i, 0]), round(starts[i, 1])) for i in cutting[np.sort(first)]
+    ]
     return [((x, y), number_) for number_, x, y in places]
 
 
@@ -411,7 +417,7 @@ class _Wire:
         """Return the tool tip of a block."""
         b, s = self.program.blocks[i], self.segments
         if b["kind"] == Kind.ARC:
-            r = math.hypot(int(b["x"]), int(b["y"])) / 1000
+            r = math.hypot(int(b["x"]), int(b["y"])) * self.program.step_um / 1000
             what = f"arc {'ccw' if b['turn'] > 0 else 'cw'} R {r:.3f}"
         else:
             what = "move" if b["kind"] == Kind.MOVE else "line"

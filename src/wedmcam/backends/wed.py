@@ -65,7 +65,7 @@ def source(
     ends = np.column_stack([np.cumsum(motion.dx[rows]), np.cumsum(motion.dy[rows])])
     starts = ends - np.column_stack([motion.dx[rows], motion.dy[rows]])
     parts = np.ones(len(rows), np.int64) if pieces is None else pieces[rows]
-    text = _Text(blocks[rows], starts, ends, motion.steps[rows], parts, table)
+    text = _Text(blocks[rows], starts, ends, motion.steps[rows], parts, table, program.step_um)
     title = re.sub(r'["\r\n]', "'", PurePath(name).name)
     lines = [
         f"# What {title} cuts, as {machine.name} steps it; its first block starts at (0, 0).",
@@ -101,10 +101,6 @@ def _mm(um: float) -> str:
     return "0" if digits in ("-0", "") else digits
 
 
-def _at(p: Ints | tuple[int, int]) -> str:
-    return f"({_mm(int(p[0]))}, {_mm(int(p[1]))})"
-
-
 class _Text:
     """The blocks of a program, on their way to text."""
 
@@ -116,17 +112,25 @@ class _Text:
         steps: Ints,
         pieces: Ints,
         table: LineTable,
+        step_um: float,
     ) -> None:
         self.blocks, self.starts, self.ends = blocks, starts, ends
         self.steps, self.pieces, self.table = steps, pieces, table
+        self.step_um = step_um
         self.arc = blocks["kind"] == Kind.ARC
         offset = np.column_stack([blocks["x"], blocks["y"]]).astype(np.int64)
         self.centre = np.where(self.arc[:, None], starts - offset, 0)
         self.radius = np.hypot(blocks["x"], blocks["y"])
         self.sweep, self.length = self._sizes()
 
+    def _mm(self, steps: float) -> str:
+        return _mm(steps * self.step_um)
+
+    def _at(self, p: Ints | tuple[int, int]) -> str:
+        return f"({self._mm(int(p[0]))}, {self._mm(int(p[1]))})"
+
     def _sizes(self) -> tuple[Floats, Floats]:
-        """Return the sweep of each arc, rad, and the length of each block, um."""
+        """Return the sweep of each arc, rad, and the length of each block, steps."""
         turn = self.blocks["turn"].astype(np.int64)
         a, b = self.starts - self.centre, self.ends - self.centre
         first, last = np.arctan2(a[:, 1], a[:, 0]), np.arctan2(b[:, 1], b[:, 0])
@@ -151,23 +155,23 @@ class _Text:
         if closed and len(path) == 1:
             i = path[0]
             sense = "" if self.blocks["turn"][i] > 0 else "cw "
-            at, radius = _at(self.centre[i]), _mm(float(self.radius[i]))
+            at, radius = self._at(self.centre[i]), self._mm(float(self.radius[i]))
             lines.append(f"  circle {sense}center {at} radius {radius}")
         else:
-            lines.append(f"  from {_at(home)}")
+            lines.append(f"  from {self._at(home)}")
             for i in path.tolist():
                 lines += self._block(i)
             if closed:
                 # 'close' is a line back, and nothing after an arc that ends there.
                 lines = lines if self.arc[path[-1]] else lines[:-1]
                 lines.append("  close")
-        cut = f"cut {name} on start {_at(thread)}"
+        cut = f"cut {name} on start {self._at(thread)}"
         if led or (closed and len(path) == 1):
-            cut += f" enter {_at(home)}"
+            cut += f" enter {self._at(home)}"
         stop, lost = self._stop(one, path, closed)
         cut += stop
         if len(over):
-            cut += f" overcut {_mm(float(self.length[over[: len(over) // 2]].sum()))}"
+            cut += f" overcut {self._mm(float(self.length[over[: len(over) // 2]].sum()))}"
         return [*lines, "}"], cut, lost
 
     def _stop(self, one: Stretch, path: Ints, closed: bool) -> tuple[str, list[tuple[int, str]]]:
@@ -177,9 +181,9 @@ class _Text:
         for i in one.pauses[::-1]:
             if not told and closed and i in path[:-1]:
                 rest = path[np.flatnonzero(path == i)[0] + 1 :]
-                told = f" stop {_mm(float(self.length[rest].sum()))}"
+                told = f" stop {self._mm(float(self.length[rest].sum()))}"
                 continue
-            where = f"{_at(self.ends[i])} mm from the start"
+            where = f"{self._at(self.ends[i])} mm from the start"
             why = "'stop' is one pause on a closed contour"
             lost.append((i, f"a pause at {where} has no place in the part language: {why}"))
         return told, lost[::-1]
@@ -187,7 +191,7 @@ class _Text:
     def _block(self, i: int) -> list[str]:
         """Return the commands of a block."""
         if not self.arc[i]:
-            return [f"  line to {_at(self.ends[i])}"]
+            return [f"  line to {self._at(self.ends[i])}"]
         turn, sweep = int(self.blocks["turn"][i]), float(self.sweep[i])
         word, centre = ("ccw" if turn > 0 else "cw"), self.centre[i]
         least = 1 if sweep <= MOST_SWEEP else int(np.ceil(sweep / np.pi))
@@ -196,4 +200,4 @@ class _Text:
         part = np.repeat(self.blocks[i : i + 1], pieces - 1)
         dx, dy = position(part, self.steps[i] * np.arange(1, pieces) // pieces, self.table)
         stops = [*(self.starts[i] + np.column_stack([dx, dy])), self.ends[i]]
-        return [f"  arc {word} to {_at(p)} center {_at(centre)}" for p in stops]
+        return [f"  arc {word} to {self._at(p)} center {self._at(centre)}" for p in stops]

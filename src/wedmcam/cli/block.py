@@ -40,7 +40,7 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
     if machine.axes.said:
         yield f"axes       {machine.axes.said}; what follows is told as the drawing has it"
     starts, ends = positions(program, machine)
-    start, end = ([int(v) for v in p[row]] for p in (starts, ends))
+    start, end = (p[row].tolist() for p in (starts, ends))
     if kind > Kind.MOVE:
         yield f"kind       {words.get(row, kind.name.lower())}; nothing moves, at {_at(*start)} mm"
         return
@@ -48,10 +48,10 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
     axis, count = Axis(int(block["axis"])), int(block["count"])
     table = LineTable(machine.table)
     if kind == Kind.ARC:
-        yield from _arc(x, y, turn, axis, count, start, end)
+        yield from _arc(x, y, turn, axis, count, start, end, program.step_um)
     else:
-        yield from _line(x, y, axis, count, kind == Kind.MOVE, table)
-    yield from _ending(block, table, start, end)
+        yield from _line(x, y, axis, count, kind == Kind.MOVE, table, program.step_um)
+    yield from _ending(block, table, start, end, program.step_um)
 
 
 def _record(program: Program, row: int, data: bytes) -> str:
@@ -69,7 +69,9 @@ def _record(program: Program, row: int, data: bytes) -> str:
     return "?"
 
 
-def _line(x: int, y: int, axis: Any, count: int, move: bool, table: Any) -> Iterator[str]:
+def _line(
+    x: int, y: int, axis: Any, count: int, move: bool, table: Any, step_um: float
+) -> Iterator[str]:
     import numpy as np
 
     from wedmcam.controller import line_axis
@@ -78,7 +80,8 @@ def _line(x: int, y: int, axis: Any, count: int, move: bool, table: Any) -> Iter
 
     what = "move, generator off," if move else "line"
     heading = math.degrees(math.atan2(y, x)) % 360
-    yield f"geometry   {what} along {_at(x, y)} mm, {_mm(math.hypot(x, y))} mm at {heading:.3f} deg"
+    way, length = _at(x * step_um, y * step_um), _mm(math.hypot(x, y) * step_um)
+    yield f"geometry   {what} along {way} mm, {length} mm at {heading:.3f} deg"
     q = _quadrant(quadrant, x, y, 0)
     where = "on an axis: the quadrant it enters by rule" if 0 in (x, y) else "where the end lies"
     yield f"quadrant   L{q}: {where}"
@@ -94,22 +97,29 @@ def _line(x: int, y: int, axis: Any, count: int, move: bool, table: Any) -> Iter
     yield f"counted on {used.name.lower()}: {why}"
     along = abs(x) if used == Axis.X else abs(y)
     whole = "the whole way" if along == count else f"X, Y are a ratio; their own count is {along}"
-    yield f"J          {_mm(count)} mm = {count} steps on {used.name.lower()}: {whole}"
+    yield f"J          {_mm(count * step_um)} mm = {count} steps on {used.name.lower()}: {whole}"
 
 
 def _arc(
-    x: int, y: int, turn: int, axis: Any, count: int, start: list[int], end: list[int]
+    x: int,
+    y: int,
+    turn: int,
+    axis: Any,
+    count: int,
+    start: list[float],
+    end: list[float],
+    step_um: float,
 ) -> Iterator[str]:
     from wedmcam.controller import arc_quadrant
     from wedmcam.ir.program import Axis
 
-    cx, cy = start[0] - x, start[1] - y
-    ex, ey = end[0] - cx, end[1] - cy
+    cx, cy = start[0] - x * step_um, start[1] - y * step_um
+    ex, ey = round((end[0] - cx) / step_um), round((end[1] - cy) / step_um)
     sense = "counter-clockwise" if turn > 0 else "clockwise"
     radius = math.hypot(x, y)
     yield (
-        f"geometry   {sense} arc, radius {radius / 1000:.6f} mm about {_at(cx, cy)} mm, starts "
-        f"{_at(x, y)} from it"
+        f"geometry   {sense} arc, radius {radius * step_um / 1000:.6f} mm about {_at(cx, cy)} mm, "
+        f"starts {_at(x * step_um, y * step_um)} from it"
     )
     if x * x + y * y < 2:
         yield "           it never ends: the path would step onto its centre"
@@ -135,7 +145,7 @@ def _arc(
             )
         yield f"counted on {name}: {why}"
     compared = _nominal(x, y, turn, axis, ex, ey, count)
-    yield f"J          {_mm(count)} mm = {count} steps counted{compared}"
+    yield f"J          {_mm(count * step_um)} mm = {count} steps counted{compared}"
 
 
 def _nominal(x: int, y: int, turn: int, axis: Any, ex: int, ey: int, count: int) -> str:
@@ -157,7 +167,9 @@ def _quadrant(quadrant: Any, x: int, y: int, turn: int) -> int:
     return int(quadrant(np.array([x]), np.array([y]), np.array([turn]))[0])
 
 
-def _ending(block: Any, table: Any, start: list[int], end: list[int]) -> Iterator[str]:
+def _ending(
+    block: Any, table: Any, start: list[float], end: list[float], step_um: float
+) -> Iterator[str]:
     """Tell the first steps and where the block ends."""
     import numpy as np
 
@@ -175,5 +187,5 @@ def _ending(block: Any, table: Any, start: list[int], end: list[int]) -> Iterato
         step = f"{'+' if s.sign > 0 else '-'}{'x' if s.axis == Axis.X else 'y'}"
         yield f"         {n:5d}  {step:4} {s.x:9d} {s.y:9d} {s.f:14d}"
     low, high = (float(d[0]) for d in deviation(one, table))
-    yield f"path       within {max(high, -low):.3f} um of its own line or circle"
+    yield f"path       within {max(high, -low) * step_um:.3f} um of its own line or circle"
     yield f"ends at    {_at(*end)} mm, started at {_at(*start)} mm (from the program's start)"

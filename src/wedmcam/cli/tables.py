@@ -42,12 +42,14 @@ def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
 
     if machine.axes.said:
         yield f"axes: {machine.axes.said}; Z, X, Y, G and ends are told as the drawing has them"
+    if machine.axes.step_um != 1:
+        yield "X, Y and J are steps, ends are um"
     yield "block  where    kind   Z          X          Y  G            J      end x      end y"
     for r in dump(program, machine):
         if r.count is None:
             yield f"{r.number:5d}  {r.where:8} {r.kind}"
         else:
-            end = f"{r.end[0]:10d} {r.end[1]:10d}" if r.steps >= 0 else "    never ends"
+            end = f"{r.end[0]:10} {r.end[1]:10}" if r.steps >= 0 else "    never ends"
             yield (
                 f"{r.number:5d}  {r.where:8} {r.kind:6} {r.instruction:3} {r.x:10d} {r.y:10d}  "
                 f"{r.axis:6} {r.count:7d} {end}"

@@ -567,6 +567,11 @@ CODES: dict[str, Code] = {
         "The path is the same; a pause, a word or an end that the machine minded is missing.",
         "See to it at the machine, or convert to a text format, which keeps words.",
     ),
+    "other-step": Code(
+        "A program that counts steps of one length is to be written for a machine with others.",
+        "The numbers would make a part of another size, and no others make the same path.",
+        "Compile the drawing for the other machine, or convert the program to .dxf and that.",
+    ),
     "conversion-differs": Code(
         "The other format would not step the path of the program that was read within 1 um.",
         "Another part would be cut.",

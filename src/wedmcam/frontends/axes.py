@@ -1,4 +1,4 @@
-"""The step from the controller's frame back to the drawing's, which follows every reader.
+"""From the controller's frame back to the drawing's: what a program goes through after its reader.
 
 A program is in the frame of its controller; everything that looks at it works in that of the
 drawing. The writer has a way of its own (``backends.axes``), so that a round trip proves something.
@@ -27,7 +27,9 @@ def matrix(axes: Axes) -> NDArray[np.int64]:
 
 
 def to_drawing(program: Program, axes: Axes) -> Program:
-    """Return a program of the controller's frame in that of the drawing."""
+    """Return a program of the controller's frame in that of the drawing, with its step."""
+    if axes.step_um != 1:
+        program = replace(program, step_um=axes.step_um)
     m = matrix(axes)
     if (m == np.eye(2)).all():
         return program

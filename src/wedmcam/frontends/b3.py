@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, warning
 from wedmcam.formats import b3, quadrants
+from wedmcam.formats.lengths import mm_of
 from wedmcam.formats.listing import in_order, listed
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.records import Records, find_records
@@ -168,10 +169,6 @@ class _Gaps:
             self.hidden += [(a, b) for (a, b, _), k in zip(tokens, kinds, strict=True) if k][:1]
 
 
-def _mm(um: int) -> str:
-    return f"{um / 1000:.3f} mm"
-
-
 def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
     """Return the program that a 3B file states, and what was found on the way.
 
@@ -219,6 +216,7 @@ def _blocks(
     records: Records, read: NDArray[np.bool_], machine: Machine, spans: TextSpans
 ) -> tuple[NDArray[np.void], NDArray[np.bool_], list[tuple[int, Diagnostic]]]:
     """Return a block for each record, which of those to ``read`` are good, findings by record."""
+    mm = mm_of(machine.axes.step_um)
     turn = np.array([0, 1, -1])[records.code // 4]
     named = records.code % 4 + 1
     line = turn == 0
@@ -259,7 +257,7 @@ def _blocks(
         err,
         "over-limit",
         count > limits.count_um,
-        lambda i: f"J is {_mm(int(count[i]))}, the largest is {_mm(limits.count_um)}",
+        lambda i: f"J is {mm(int(count[i]))}, the largest is {mm(limits.count_um)}",
         "split the block",
     )
     tell(
@@ -267,8 +265,8 @@ def _blocks(
         "over-limit",
         widest > largest,
         lambda i: (
-            f"{'XY'[int(records.y[i] > records.x[i])]} is {_mm(int(widest[i]))}, "
-            f"the largest is {_mm(int(largest[i]))}"
+            f"{'XY'[int(records.y[i] > records.x[i])]} is {mm(int(widest[i]))}, "
+            f"the largest is {mm(int(largest[i]))}"
         ),
         "split the block" if limits.line_um == limits.arc_um else None,
     )
@@ -325,8 +323,8 @@ def _blocks(
         "more-than-a-turn",
         ~line & (count > b3.largest_turn(x, y)),
         lambda i: (
-            f"J is {_mm(int(count[i]))}; a full circle counts about "
-            f"{_mm(round(4 * float(np.hypot(x[i], y[i]))))}"
+            f"J is {mm(int(count[i]))}; a full circle counts about "
+            f"{mm(round(4 * float(np.hypot(x[i], y[i]))))}"
         ),
     )
 

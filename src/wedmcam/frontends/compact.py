@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import ByteSpan, Diagnostic, FileSpan, Severity, Span, error, warning
 from wedmcam.formats import compact, quadrants
+from wedmcam.formats.lengths import mm_of
 from wedmcam.formats.listing import in_order, listed
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 from wedmcam.machines import Machine
@@ -68,10 +69,6 @@ def addresses(data: bytes, length: bytes = compact.LENGTH) -> tuple[NDArray[np.i
     return np.array(starts, dtype=np.int64), at
 
 
-def _mm(um: int) -> str:
-    return f"{um / 1000:.3f} mm"
-
-
 def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
     """Return the program that compact data state, and what was found on the way.
 
@@ -85,6 +82,7 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         controller derives. Blocks in error are left out. ``spans[i]`` is a `ByteSpan`.
     """
     starts, end = addresses(data)
+    mm = mm_of(machine.axes.step_um)
     raw = np.frombuffer(data, dtype=np.uint8)
     codes = raw[starts].astype(np.int64)
     group, named = codes & 0xF0, codes & 0x0F
@@ -138,7 +136,7 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         "over-limit",
         arc & (xs * xs + ys * ys > limits.arc_um**2),
         lambda i: (
-            f"block {i + 1}: the radius is {_mm(radius[i])}, the largest is {_mm(limits.arc_um)}"
+            f"block {i + 1}: the radius is {mm(radius[i])}, the largest is {mm(limits.arc_um)}"
         ),
     )
     tell(
@@ -148,9 +146,9 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         lambda i: (
             f"block {i + 1}: "
             + (
-                f"J is {_mm(int(count[i]))}, the largest is {_mm(limits.count_um)}"
+                f"J is {mm(int(count[i]))}, the largest is {mm(limits.count_um)}"
                 if arc[i]
-                else f"a line of {_mm(int(longer[i]))}, the largest is {_mm(limits.line_um)}"
+                else f"a line of {mm(int(longer[i]))}, the largest is {mm(limits.line_um)}"
             )
         ),
     )
@@ -166,8 +164,7 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         "arc-too-small",
         arc & (xs * xs + ys * ys < 2),
         lambda i: (
-            f"block {i + 1}: the arc starts {_mm(int(xs[i] + ys[i]))} from its centre "
-            "and never ends"
+            f"block {i + 1}: the arc starts {mm(int(xs[i] + ys[i]))} from its centre and never ends"
         ),
     )
     checked = good & (arc | straight)
@@ -187,8 +184,8 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         "more-than-a-turn",
         arc & (count > compact.largest_turn(xs, ys)),
         lambda i: (
-            f"block {i + 1}: J is {_mm(int(count[i]))}; a full circle counts about "
-            f"{_mm(round(4 * 2**0.5 * float(radius[i])))}"
+            f"block {i + 1}: J is {mm(int(count[i]))}; a full circle counts about "
+            f"{mm(round(4 * 2**0.5 * float(radius[i])))}"
         ),
     )
     after_move = np.zeros(len(starts), dtype=bool)

@@ -9,7 +9,7 @@ import numpy as np
 
 from wedmcam.diag import ByteSpan, TextSpan
 from wedmcam.formats import quadrants
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.ir.program import Axis, Kind, LineTable, Program, in_um
 from wedmcam.machines import Machine
 
 
@@ -23,10 +23,11 @@ class Row:
             program that was not read.
         kind: `Kind` in lower case, or the word itself for an unknown control word.
         instruction: L1 .. L4, NR1 .. NR4, SR1 .. SR4; empty for control records.
-        x: um, signed: direction of a line, start of an arc from its centre; None for controls.
+        x: um (steps, as in the file, where a step is not 1 um), signed: direction of a line, start
+            of an arc from its centre; None for controls.
         y: likewise.
         axis: X, Y or SQUARE (SQUARE_X with exchanged axes); empty for controls.
-        count: J, um; None for controls.
+        count: J, likewise; None for controls.
         end: where the machine stands after the block, um, from where the program starts.
         steps: how many steps it makes; -1 for a block that no controller can run.
     """
@@ -39,7 +40,7 @@ class Row:
     y: int | None
     axis: str
     count: int | None
-    end: tuple[int, int]
+    end: tuple[float, float]
     steps: int
 
 
@@ -65,8 +66,8 @@ def dump(program: Program, machine: Machine) -> Iterator[Row]:
 
     blocks = program.blocks
     motion = run(blocks, LineTable(machine.table))
-    end_x = np.cumsum(motion.dx) + program.origin[0]
-    end_y = np.cumsum(motion.dy) + program.origin[1]
+    ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
+    ends = in_um(ends, program.step_um)
     quadrant = quadrants.quadrant(blocks["x"], blocks["y"], blocks["turn"])
     words = dict(program.words)
     for i, block in enumerate(blocks):
@@ -81,7 +82,7 @@ def dump(program: Program, machine: Machine) -> Iterator[Row]:
             y=int(block["y"]) if cutting else None,
             axis=Axis(block["axis"]).name if cutting else "",
             count=int(block["count"]) if cutting else None,
-            end=(int(end_x[i]), int(end_y[i])),
+            end=(ends[i, 0].item(), ends[i, 1].item()),
             steps=int(motion.steps[i]),
         )
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,10 +40,11 @@ class Axis(enum.IntEnum):
     SQUARE_X = 3  # the same with x at a tie: how SQUARE looks with x and y exchanged
 
 
-#: One row per block. x, y, count are um. LINE, MOVE: (x, y) is the direction, and usually the whole
-#: way, signed; ARC: (x, y) is the start relative to the centre, signed. turn: +1 counter-clockwise,
-#: -1 clockwise, 0 not an arc. axis: `Axis`. count: J. source: index into ``Program.sources`` or -1.
-#: cut: 1-based number of the contour the block belongs to, 0 where unknown. role: `Role`.
+#: One row per block. x, y, count are steps of the machine, um where a step is 1 um. LINE, MOVE:
+#: (x, y) is the direction, and usually the whole way, signed; ARC: (x, y) is the start relative to
+#: the centre, signed. turn: +1 counter-clockwise, -1 clockwise, 0 not an arc. axis: `Axis`. count:
+#: J. source: index into ``Program.sources`` or -1. cut: 1-based number of the contour the block
+#: belongs to, 0 where unknown. role: `Role`.
 BLOCK = np.dtype(
     [
         ("kind", "u1"),
@@ -97,12 +99,24 @@ class LineTable(enum.StrEnum):
         return first if self is LineTable.ROTATE else ~first
 
 
+def in_um(steps: NDArray[Any], step_um: float) -> NDArray[Any]:
+    """Return lengths in um of lengths in steps; whole numbers stay whole where a step is.
+
+    >>> in_um(np.array([3, 4]), 2.0).tolist(), in_um(np.array([3, 4]), 0.5).tolist()
+    ([6, 8], [1.5, 2.0])
+    """
+    if step_um == 1:
+        return steps
+    return steps * (int(step_um) if step_um == int(step_um) else step_um)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Program:
-    """Blocks from ``origin`` on; ``origin`` is where the first block starts, drawing um.
+    """Blocks from ``origin`` on; ``origin`` is where the first block starts in the drawing.
 
     A program that was read from a file has origin (0, 0) until somebody knows better, and
-    ``spans[i]`` points to block i.
+    ``spans[i]`` points to block i. All its numbers, ``origin`` among them, are steps: one of them
+    moves the machine by ``step_um``. Whoever tells lengths multiplies.
     """
 
     blocks: NDArray[np.void]
@@ -110,6 +124,13 @@ class Program:
     sources: tuple[Span, ...] = ()
     spans: Sequence[Span] = ()
     words: tuple[tuple[int, str], ...] = ()
+    step_um: float = 1.0
+
+    @property
+    def origin_um(self) -> tuple[float, float]:
+        """Where the first block starts, drawing um."""
+        x, y = in_um(np.array(self.origin), self.step_um).tolist()
+        return x, y
 
     def __post_init__(self) -> None:
         assert self.blocks.dtype == BLOCK

@@ -8,12 +8,12 @@ import numpy as np
 
 from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.program import Kind, Program
-from wedmcam.judge.runs import span_of
+from wedmcam.judge.runs import per_mm, span_of
 from wedmcam.judge.segments import Bools, Ints
 
 
 class Limits(Protocol):
-    """What the judge asks of a machine's limits, um, inclusive."""
+    """What the judge asks of a machine's limits, steps, inclusive."""
 
     @property
     def count_um(self) -> int:
@@ -37,18 +37,19 @@ def check_blocks(program: Program, limits: Limits | None, steps: Ints) -> list[D
         steps: of each block; -1 where it never ends.
     """
     b = program.blocks
+    per = per_mm(program)
     motion = b["kind"] <= Kind.MOVE
     findings: list[Diagnostic] = []
 
     def report(code: str, mask: Bools, what: str, value: Ints, most: int | None) -> None:
         rows = np.flatnonzero(mask)
         for row in rows[:5].tolist():
-            bound = "" if most is None else f", the limit is {most / 1000.0:.3f} mm"
+            bound = "" if most is None else f", the limit is {most / per:.3f} mm"
             more = f" (and {len(rows) - 5} more)" if row == rows[min(4, len(rows) - 1)] else ""
             findings.append(
                 error(
                     code,
-                    f"block {row + 1}: {what} is {int(value[row]) / 1000.0:.3f} mm{bound}"
+                    f"block {row + 1}: {what} is {int(value[row]) / per:.3f} mm{bound}"
                     + (more if len(rows) > 5 else ""),
                     span_of(program, row),
                 )

@@ -3,7 +3,8 @@
 Blocks need not match: a line in two pieces, an arc in quadrants, another format or counting, are
 the same path if the places are. Two paths are equal within w if every place of each is at most w um
 from a place of the other that is as far along, give or take the few steps that w allows. Where both
-programs have the same block at the same place nothing is stepped.
+programs have the same block at the same place nothing is stepped. Machines may have other steps:
+places are true um, and as far along is as many um.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, LineTable, Program, in_um
 from wedmcam.judge.segments import Bools, Floats, Ints
 from wedmcam.judge.walk import Walk, walk
 
@@ -53,6 +54,7 @@ class _Stretch(NamedTuple):
     way: Walk
     rows: Ints
     first: Ints  # steps before each block, and in all
+    step_um: float
 
     @property
     def cuts(self) -> bool:
@@ -60,7 +62,11 @@ class _Stretch(NamedTuple):
 
     def part(self, low: int, high: int) -> _Stretch:
         """Return the blocks low to high."""
-        return _stretch(self.way, self.rows[low:high])
+        return _stretch(self.way, self.rows[low:high], self.step_um)
+
+    def starts(self, low: int = 0, high: int | None = None) -> Ints | Floats:
+        """Return where the blocks low to high start, um, shape (n, 2)."""
+        return in_um(self.way.start[self.rows[low:high]], self.step_um)
 
     def block(self, step: int) -> int:
         """Return the 1-based block that makes a step."""
@@ -68,7 +74,7 @@ class _Stretch(NamedTuple):
         return int(self.rows[min(max(k, 0), len(self.rows) - 1)]) + 1
 
     def places(self, low: int, high: int) -> Floats:
-        """Return the places after steps low to high - 1; 0 is the start. Shape (2, n)."""
+        """Return the places after steps low to high - 1, um; 0 is the start. Shape (2, n)."""
         k0 = max(int(np.searchsorted(self.first, low, "left")) - 1, 0)
         k1 = int(np.searchsorted(self.first, high - 1, "left"))
         k1 = max(k1, k0 + 1)
@@ -78,19 +84,20 @@ class _Stretch(NamedTuple):
         base = int(self.first[k0])
         x = np.concatenate([[start[0]], x])[low - base : high - base]
         y = np.concatenate([[start[1]], y])[low - base : high - base]
-        return np.stack([x, y])
+        places = np.stack([x, y])
+        return places if self.step_um == 1 else places * self.step_um
 
 
-def _stretch(way: Walk, rows: Ints) -> _Stretch:
-    return _Stretch(way, rows, np.concatenate([[0], np.cumsum(way.steps[rows])]))
+def _stretch(way: Walk, rows: Ints, step_um: float) -> _Stretch:
+    return _Stretch(way, rows, np.concatenate([[0], np.cumsum(way.steps[rows])]), step_um)
 
 
-def _stretches(way: Walk) -> list[_Stretch]:
+def _stretches(way: Walk, step_um: float) -> list[_Stretch]:
     """Part a program where the generator goes on or off; blocks without a step are left out."""
     rows = np.flatnonzero(way.steps > 0)
     off = way.blocks["kind"][rows] == Kind.MOVE
     edges = np.flatnonzero(np.diff(off)) + 1
-    return [_stretch(way, part) for part in np.split(rows, edges) if len(part)]
+    return [_stretch(way, part, step_um) for part in np.split(rows, edges) if len(part)]
 
 
 def difference(
@@ -124,7 +131,7 @@ def difference(
             row = int(endless[0]) + 1
             blocks = (0, row) if nth else (row, 0)
             return Difference(False, np.inf, *blocks, (0, 0), np.inf, "the block never ends")
-    here, there = _stretches(ways[0]), _stretches(ways[1])
+    here, there = _stretches(ways[0], a.step_um), _stretches(ways[1], b.step_um)
     largest = 0.0
     for one, two in zip(here, there, strict=False):
         if one.cuts != two.cuts:
@@ -136,18 +143,23 @@ def difference(
     if len(here) != len(there):
         n = min(len(here), len(there))
         more = here[n] if len(here) > n else there[n]
-        x, y = (int(v) for v in more.way.start[more.rows[0]])
         block = int(more.rows[0]) + 1
         blocks = (block, 0) if len(here) > n else (0, block)
-        return Difference(False, largest, *blocks, (x, y), np.inf, "the other program has ended")
+        return Difference(
+            False, largest, *blocks, _begin(more), np.inf, "the other program has ended"
+        )
     return Difference(True, largest)
 
 
 def _ended(one: _Stretch, two: _Stretch, largest: float, what: str) -> Difference:
-    x, y = (int(v) for v in one.way.start[one.rows[0]])
-    return Difference(
-        False, largest, int(one.rows[0]) + 1, int(two.rows[0]) + 1, (x, y), np.inf, what
-    )
+    blocks = int(one.rows[0]) + 1, int(two.rows[0]) + 1
+    return Difference(False, largest, *blocks, _begin(one), np.inf, what)
+
+
+def _begin(stretch: _Stretch) -> tuple[int, int]:
+    """Return where a stretch begins, whole um."""
+    x, y = stretch.starts(0, 1)[0].tolist()
+    return round(x), round(y)
 
 
 def _compare(one: _Stretch, two: _Stretch, within: float) -> Difference:
@@ -155,35 +167,41 @@ def _compare(one: _Stretch, two: _Stretch, within: float) -> Difference:
     largest = 0.0
     for k0, k1, l0, l1, same in _parts(one, two, within):
         if same:
-            off = one.way.start[one.rows[k0:k1]] - two.way.start[two.rows[l0:l1]]
+            off = one.starts(k0, k1) - two.starts(l0, l1)
             largest = max(largest, float(np.hypot(off[:, 0], off[:, 1]).max()))
             continue
         p, q = one.part(k0, k1), two.part(l0, l1)
         if not len(p.rows) or not len(q.rows):
             more = p if len(p.rows) else q
-            if int(more.first[-1]) <= within:
+            if int(more.first[-1]) * more.step_um <= within:
                 continue
-            x, y = (int(v) for v in more.way.start[more.rows[0]])
             block = int(more.rows[0]) + 1
             blocks = (block, 0) if more is p else (0, block)
-            return Difference(False, largest, *blocks, (x, y), np.inf, "only one cuts on")
+            return Difference(False, largest, *blocks, _begin(more), np.inf, "only one cuts on")
         there, off_there, most = _leaves(p, q, within)
         largest = max(largest, most)
-        limit = None if there is None else there + CHUNK
+        ratio = p.step_um / q.step_um  # steps of q for one of p
+        limit = None if there is None else round(there * ratio) + CHUNK
         back, off_back, most = _leaves(q, p, within, limit)
         largest = max(largest, most)
         if there is None and back is None:
             continue
         # Whichever is earlier along the path.
-        if there is not None and (back is None or there <= back):
+        if there is not None and (back is None or there * ratio <= back):
             x, y = p.places(there, there + 1)[:, 0]
-            step, other, away = there, min(there, int(q.first[-1])), off_there
+            step, other, away = there, min(round(there * ratio), int(q.first[-1])), off_there
         else:
             assert back is not None
             x, y = q.places(back, back + 1)[:, 0]
-            step, other, away = min(back, int(p.first[-1])), back, off_back
+            step, other, away = min(round(back / ratio), int(p.first[-1])), back, off_back
         return Difference(
-            False, largest, p.block(step - 1), q.block(other - 1), (int(x), int(y)), away, "apart"
+            False,
+            largest,
+            p.block(step - 1),
+            q.block(other - 1),
+            (round(x), round(y)),
+            away,
+            "apart",
         )
     return Difference(True, largest)
 
@@ -218,13 +236,14 @@ def _parts(one: _Stretch, two: _Stretch, within: float) -> list[tuple[int, int, 
 def _same(one: _Stretch, two: _Stretch, k: slice, el: slice, within: float) -> Bools:
     """Return which blocks are the same, at places at most ``within`` apart."""
     a, b = one.way.blocks[one.rows[k]], two.way.blocks[two.rows[el]]
-    same = np.ones(len(a), bool)
+    same = np.full(len(a), one.step_um == two.step_um)
     for name in ("turn", "axis", "x", "y", "count"):
         same &= a[name] == b[name]
-    if one.way.table != two.way.table:
-        # Tables differ in quadrants 2 and 4 alone.
-        same &= (a["turn"] != 0) | (a["x"] * a["y"] >= 0)
-    off = one.way.start[one.rows[k]] - two.way.start[two.rows[el]]
+    x, y = a["x"], a["y"]
+    one_first, two_first = one.way.table.x_first(x, y), two.way.table.x_first(x, y)
+    same &= (a["turn"] != 0) | (x == 0) | (y == 0) | (one_first == two_first)
+    off = in_um(one.way.start[one.rows[k]], one.step_um)
+    off = off - in_um(two.way.start[two.rows[el]], two.step_um)
     return np.asarray(same & (np.hypot(off[:, 0], off[:, 1]) <= within))
 
 
@@ -235,7 +254,7 @@ def _leaves(
 
     Steps after ``limit`` are not looked at.
     """
-    window = int(np.ceil(2.0 * within)) + 3
+    window = int(np.ceil(2.0 * within / q.step_um)) + 3
     total, other = int(p.first[-1]) + 1, int(q.first[-1]) + 1
     total = total if limit is None else min(total, limit)
     largest = 0.0
@@ -265,12 +284,15 @@ def _nearest(
 ) -> tuple[Floats, Ints]:
     """Return the distance of places of p from q about as far along, and how many steps ahead."""
     here = p.places(low, high)
-    begin = max(min(low + lag - window, other - 1), 0)
-    stop = max(min(high + lag + window, other), begin + 1)
+    index = np.arange(low, high) + lag
+    if p.step_um != q.step_um:
+        index = np.rint(np.arange(low, high) * (p.step_um / q.step_um)).astype(np.int64) + lag
+    begin = max(min(int(index[0]) - window, other - 1), 0)
+    stop = max(min(int(index[-1]) + 1 + window, other), begin + 1)
     there = q.places(begin, stop)
     best = np.full(high - low, np.inf)
     ahead = np.zeros(high - low, np.int64)
-    index = np.arange(low, high) + (lag - begin)
+    index -= begin
     for d in sorted(range(-window, window + 1), key=abs):
         k = np.clip(index + d, 0, stop - begin - 1)
         dx, dy = here[0] - there[0][k], here[1] - there[1][k]

@@ -12,7 +12,7 @@ import numpy as np
 
 from wedmcam import controller
 from wedmcam.diag import Diagnostic
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, LineTable, Program, in_um
 from wedmcam.judge.bounds import extents
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.segments import Ints
@@ -33,7 +33,7 @@ def figures(
     ``contours`` are stretches of cutting between moves; ``closure_um`` is the largest distance
     between the ends of those that end within 0.1 mm of their start (leads cannot be told from
     contours here), None when none does. ``reversals`` counts, for each axis, steps against the
-    last one: where backlash is taken up.
+    last one: where backlash is taken up. Lengths are true um, also where a step is not.
     """
     way = walk(program, table)
     findings = check_blocks(program, limits, way.steps)
@@ -47,7 +47,9 @@ def figures(
         path += float(part.lengths()[part.cutting].sum())
         e = extents(part, np.arange(len(part.blocks)))
         box = np.concatenate([np.minimum(box[:2], e[:2]), np.maximum(box[2:], e[2:])])
-    x, y = way.end[-1] - np.array(program.origin) if len(blocks) else (0, 0)
+    step = program.step_um
+    end = way.end[-1] - np.array(program.origin) if len(blocks) else np.zeros(2, np.int64)
+    box = np.array([int(v) for v in box]) if len(blocks) else np.zeros(4, np.int64)
     counted = np.where(kind <= Kind.MOVE, blocks["count"], 0)
     size = np.maximum(np.abs(blocks["x"]), np.abs(blocks["y"]))
     arc = kind == Kind.ARC
@@ -55,17 +57,17 @@ def figures(
         "contours": len(_cuts(way)),
         "blocks": int(cutting.sum()),
         "steps": int(np.maximum(way.steps[cutting], 0).sum()),
-        "closure_um": _closure(way),
-        "end_um": [int(x), int(y)],
-        "extents_um": [int(v) for v in box] if len(blocks) else [0, 0, 0, 0],
+        "closure_um": _closure(way, step),
+        "end_um": in_um(end, step).tolist(),
+        "extents_um": in_um(box, step).tolist(),
         "moves": int((kind == Kind.MOVE).sum()),
         "controls": int((kind >= Kind.PAUSE).sum()),
-        "path_mm": round(path / 1000.0, 3),
+        "path_mm": round(path * step / 1000.0, 3),
         "reversals": {"x": int(back_x.sum()), "y": int(back_y.sum())},
         "limits": {
-            "count_um": _limit(counted, limits.count_um),
-            "line_um": _limit(np.where((kind <= Kind.MOVE) & ~arc, size, 0), limits.line_um),
-            "arc_um": _limit(np.where(arc, size, 0), limits.arc_um),
+            "count_um": _limit(counted, limits.count_um, step),
+            "line_um": _limit(np.where((kind <= Kind.MOVE) & ~arc, size, 0), limits.line_um, step),
+            "arc_um": _limit(np.where(arc, size, 0), limits.arc_um, step),
         },
     }, findings
 
@@ -90,19 +92,18 @@ def _cuts(way: Walk) -> list[Ints]:
     return np.split(rows, np.flatnonzero(np.diff(moved)) + 1)
 
 
-def _closure(way: Walk) -> float | None:
+def _closure(way: Walk, step_um: float) -> float | None:
     found = []
     for rows in _cuts(way):
         dx, dy = way.end[rows[-1]] - way.start[rows[0]]
-        found.append(float(np.hypot(dx, dy)))
+        found.append(float(np.hypot(dx, dy)) * step_um)
     closed = [f for f in found if f <= MEANT_CLOSED]
     return max(closed) if closed else None
 
 
-def _limit(values: Ints, most: int) -> dict[str, int]:
+def _limit(values: Ints, most: int, step_um: float) -> dict[str, float]:
     """Return the largest value, the limit and what is left of it, and the block that has it."""
-    if not len(values) or not values.any():
-        return {"largest": 0, "limit": most, "margin": most, "block": 0}
-    row = int(np.argmax(values))
-    largest = int(values[row])
-    return {"largest": largest, "limit": most, "margin": most - largest, "block": row + 1}
+    row = int(np.argmax(values)) if len(values) and values.any() else -1
+    largest = int(values[row]) if row >= 0 else 0
+    told = in_um(np.array([largest, most, most - largest]), step_um).tolist()
+    return dict(zip(("largest", "limit", "margin"), told, strict=True)) | {"block": row + 1}

@@ -16,9 +16,10 @@ from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import LineTable, Program
 from wedmcam.judge.match import Piece, path_box, pieces
 from wedmcam.judge.route import of_contours
-from wedmcam.judge.runs import mm
+from wedmcam.judge.runs import mm, per_mm
 from wedmcam.judge.segments import Floats, nearest
 from wedmcam.judge.track import LOST
+from wedmcam.judge.unit import in_steps
 from wedmcam.judge.walk import Walk, walk
 
 #: Places of the program that are compared with the plan.
@@ -30,14 +31,16 @@ def fit(
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program with the origin at which it lies on the plan.
 
-    Its own origin is forgotten. Where several places fit as well (contours that are alike), one at
-    which the program starts at the plan's first thread point wins, then the least squares, then
-    the lowest and leftmost.
+    Its own origin is forgotten; the new one is a whole number of steps. Where several places fit
+    as well (contours that are alike), one at which the program starts at the plan's first thread
+    point wins, then the least squares, then the lowest and leftmost.
 
     Returns:
         The program with a new origin, and a note that tells it; None and an error where no place
         lets any contour lie on a planned one.
     """
+    per = per_mm(program)
+    plan = in_steps(plan, program.step_um)
     way = walk(replace(program, origin=(0, 0)), table)
     held = pieces(way)
     boxes = [path_box(c) for c in plan.cuts]
@@ -52,11 +55,11 @@ def fit(
     best = scored[0]
     if not best[0]:
         sizes = ", ".join(
-            f"{(p.box[2] - p.box[0]) / 1000.0:.3f} x {(p.box[3] - p.box[1]) / 1000.0:.3f}"
+            f"{(p.box[2] - p.box[0]) / per:.3f} x {(p.box[3] - p.box[1]) / per:.3f}"
             for p in held[:5]
         )
         planned = ", ".join(
-            f"{(b[2] - b[0]) / 1000.0:.3f} x {(b[3] - b[1]) / 1000.0:.3f}" for b in boxes[:5]
+            f"{(b[2] - b[0]) / per:.3f} x {(b[3] - b[1]) / per:.3f}" for b in boxes[:5]
         )
         return None, [
             error(
@@ -73,9 +76,9 @@ def fit(
     return replace(program, origin=(ox, oy)), [
         note(
             "origin-fitted",
-            f"the program was fitted into the drawing: it starts at {mm(ox, oy)} mm, its places "
-            f"lie {np.sqrt(squares) / 1000.0:.4f} mm from the wire path (root mean square)",
-            points_mm=((ox / 1000.0, oy / 1000.0),),
+            f"the program was fitted into the drawing: it starts at {mm(ox, oy, per)} mm, its "
+            f"places lie {np.sqrt(squares) / per:.4f} mm from the wire path (root mean square)",
+            points_mm=((ox / per, oy / per),),
         )
     ]
 

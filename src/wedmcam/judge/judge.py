@@ -20,10 +20,11 @@ from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.deviation import SLOP, measure
 from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
 from wedmcam.judge.route import Route, plan_route
-from wedmcam.judge.runs import Assigned, assign, mm, runs, span_of
+from wedmcam.judge.runs import Assigned, assign, mm, per_mm, runs, span_of
 from wedmcam.judge.segments import Bools, Floats, Ints, points_at
 from wedmcam.judge.survey import Survey, survey
 from wedmcam.judge.track import LOST, Track, track
+from wedmcam.judge.unit import in_steps, told_in_um
 from wedmcam.judge.verdict import BlockTable, Count, CutVerdict, Verdict
 from wedmcam.judge.walk import Walk, walk
 
@@ -51,15 +52,17 @@ def judge(
     """Judge a decoded program.
 
     Args:
-        program: as decoded from the bytes; ``origin`` is where its first block starts, drawing um.
+        program: as decoded from the bytes; ``origin`` is where its first block starts. Its steps
+            are the unit of all that is measured; what is told is in um.
         plan: the exact routes, the outlines of the part, the side and the offset.
         table: how the controller steps lines.
         limits: of the machine; None for none.
         count: "exact" for a controller that counts steps; "textbook" for one that recomputes arc
             ends: then the verdict is for that one, and what a step-counting controller would do
             is told beside it.
-        path_limit_um: largest deviation between the wire's way and the exact route, either way.
-        gouge_limit_um: largest depth of the wire in the kept material.
+        path_limit_um: largest deviation between the wire's way and the exact route, either way,
+            for steps of 1 um; it grows and shrinks with them.
+        gouge_limit_um: largest depth of the wire in the kept material, likewise.
         strict_order: False proves the part only: order, sense, start and leads may differ from the
             plan's and are notes.
         trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
@@ -70,11 +73,14 @@ def judge(
     """
     way = walk(program, table, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps)
+    plan = in_steps(plan, program.step_um)
     case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order)
     verdict, found = case.judge(way, count)
+    verdict = told_in_um(verdict, program.step_um)
     findings.extend(found)
     if count == "textbook":
         stepped, _ = case.judge(walk(program, table), "exact")
+        stepped = told_in_um(stepped, program.step_um)
         verdict = verdict._replace(
             stepped_closure_um=stepped.closure_um,
             stepped_max_deviation_um=stepped.max_deviation_um,
@@ -108,6 +114,11 @@ class _Case(NamedTuple):
     gouge_limit_um: float
     trimmed: bool
     strict_order: bool
+
+    @property
+    def per(self) -> float:
+        """How many steps go to a mm."""
+        return per_mm(self.program)
 
     def judge(self, way: Walk, count: Count) -> tuple[Verdict, list[Diagnostic]]:
         """Judge what one machine does."""
@@ -199,7 +210,7 @@ class _Case(NamedTuple):
                 closure_um=closures[k],
                 max_deviation_um=float(most[0][k]),
                 lead_deviation_um=float(most[1][k]),
-                length_mm=float(sums[1][k]) / 1000.0,
+                length_mm=float(sums[1][k]) / self.per,
                 backwards=backwards[k],
             )
             for k, a in enumerate(assigned)
@@ -243,7 +254,7 @@ class _Case(NamedTuple):
             "steps": int(np.maximum(way.steps[way.cutting], 0).sum()),
             "moves": int((kind == Kind.MOVE).sum()),
             "controls": int((kind >= Kind.PAUSE).sum()),
-            "path_mm": float(way.lengths()[way.cutting].sum()) / 1000.0,
+            "path_mm": float(way.lengths()[way.cutting].sum()) / self.per,
             "origin_um": self.program.origin,
             "offset_um": self.plan.offset_um,
             "side": str(self.plan.side) if len({p.side for p in self.plan.kinds}) == 1 else "mixed",
@@ -305,20 +316,20 @@ class _Case(NamedTuple):
                         way,
                         int(index[b]),
                         f"does not run {name} once and in its sense: it is "
-                        f"{stray[b] / 1000.0:.3f} mm along the wire path from its turn",
+                        f"{stray[b] / self.per:.3f} mm along the wire path from its turn",
                     )
                 )
             if len(mine):
                 b = int(mine[0])
                 more = f"; {len(mine) - 1} more blocks of the cut do" if len(mine) > 1 else ""
-                more += _slip(route, t, int(first[k]), b, index)
+                more += _slip(route, t, int(first[k]), b, index, self.per)
                 findings.append(
                     self._block_error(
                         "path-deviation",
                         way,
                         int(index[b]),
-                        f"leaves the wire path of {name} by {deviation[b] / 1000.0:.5f} mm (limit "
-                        f"{self.path_limit_um / 1000.0:.5f} mm){more}",
+                        f"leaves the wire path of {name} by {deviation[b] / self.per:.5f} mm "
+                        f"(limit {self.path_limit_um / self.per:.5f} mm){more}",
                     )
                 )
             for b in gone:
@@ -326,8 +337,8 @@ class _Case(NamedTuple):
                 text = (
                     f"is on the wire path of {name} out of its turn"
                     if on_path
-                    else f"ends {lost[b] / 1000.0:.3f} mm beside the wire path of {name}"
-                ) + _slip(route, t, int(first[k]), b, index)
+                    else f"ends {lost[b] / self.per:.3f} mm beside the wire path of {name}"
+                ) + _slip(route, t, int(first[k]), b, index, self.per)
                 code = "wrong-order" if on_path else "path-deviation"
                 findings.append(self._block_error(code, way, int(index[b]), text))
         return findings
@@ -336,9 +347,9 @@ class _Case(NamedTuple):
         x, y = (int(v) for v in way.end[row])
         return error(
             code,
-            f"block {row + 1} {text}; it ends at {mm(x, y)} mm",
+            f"block {row + 1} {text}; it ends at {mm(x, y, self.per)} mm",
             span_of(self.program, row),
-            points_mm=((x / 1000.0, y / 1000.0),),
+            points_mm=((x / self.per, y / self.per),),
         )
 
     def _ends(
@@ -361,7 +372,7 @@ class _Case(NamedTuple):
         end = way.end[last]
         limit = TEXTBOOK_CLOSURE if count == "textbook" else 0.0
         if high[-1] < route.high[k] - LOST:
-            left = float(route.high[k] - high[-1]) / 1000.0
+            left = float(route.high[k] - high[-1]) / self.per
             findings.append(
                 self._block_error(
                     "missing-piece",
@@ -377,7 +388,8 @@ class _Case(NamedTuple):
                     "thread-point",
                     way,
                     last,
-                    f"does not return to the thread point {mm(tx, ty)} mm of cut {a.cut + 1}",
+                    f"does not return to the thread point {mm(tx, ty, self.per)} mm of "
+                    f"cut {a.cut + 1}",
                 )
             )
         if self.strict_order:
@@ -398,7 +410,7 @@ class _Case(NamedTuple):
                     way,
                     block,
                     f"is the last before the end of cut {a.cut + 1}, but no block ends where the "
-                    f"contour closes ({off / 1000.0:.3f} mm off)",
+                    f"contour closes ({off / self.per:.3f} mm off)",
                 )
             )
             return None, findings
@@ -410,16 +422,16 @@ class _Case(NamedTuple):
                     "not-closed",
                     way,
                     block,
-                    f"ends cut {a.cut + 1} {closure / 1000.0:.4f} mm from where it started "
-                    f"({mm(x, y)} mm)",
+                    f"ends cut {a.cut + 1} {closure / self.per:.4f} mm from where it started "
+                    f"({mm(x, y, self.per)} mm)",
                 )
             )
         elif closure > 0:
             findings.append(
                 note(
                     "not-closed",
-                    f"cut {a.cut + 1} closes within {closure / 1000.0:.4f} mm on a controller that "
-                    "recomputes arc ends",
+                    f"cut {a.cut + 1} closes within {closure / self.per:.4f} mm on a controller "
+                    "that recomputes arc ends",
                 )
             )
         return closure, findings
@@ -450,10 +462,10 @@ class _Case(NamedTuple):
             findings.append(
                 error(
                     "stop-point",
-                    f"cut {a.cut + 1} has {sum(hits)} pauses {cut.stop_um / 1000.0:.3f} mm before "
-                    f"its end, at {mm(x, y)} mm; one is asked for",
+                    f"cut {a.cut + 1} has {sum(hits)} pauses {cut.stop_um / self.per:.3f} mm "
+                    f"before its end, at {mm(x, y, self.per)} mm; one is asked for",
                     span_of(self.program, int(a.index[-1])),
-                    points_mm=((float(x) / 1000.0, float(y) / 1000.0),),
+                    points_mm=((float(x) / self.per, float(y) / self.per),),
                 )
             )
         return findings
@@ -474,8 +486,8 @@ class _Case(NamedTuple):
                 error(
                     "gouge",
                     f"the wire path of cut {c + 1} runs inside the material that is to be kept at "
-                    f"{mm(x, y)} mm; the wire is {um / 1000.0:.3f} mm deep in it",
-                    points_mm=((x / 1000.0, y / 1000.0),),
+                    f"{mm(x, y, self.per)} mm; the wire is {um / self.per:.3f} mm deep in it",
+                    points_mm=((x / self.per, y / self.per),),
                     hint="check --side part or die, and the sense of the contour",
                 )
             )
@@ -487,10 +499,10 @@ class _Case(NamedTuple):
                 error(
                     "gouge",
                     f"block {row + 1}: the wire enters the kept material by "
-                    f"{m.gouge / 1000.0:.5f} mm at {mm(x, y)} mm (limit "
-                    f"{self.gouge_limit_um / 1000.0:.5f} mm)",
+                    f"{m.gouge / self.per:.5f} mm at {mm(x, y, self.per)} mm (limit "
+                    f"{self.gouge_limit_um / self.per:.5f} mm)",
                     span_of(self.program, row),
-                    points_mm=((x / 1000.0, y / 1000.0),),
+                    points_mm=((x / self.per, y / self.per),),
                 )
             )
         return depth
@@ -507,13 +519,13 @@ class _Case(NamedTuple):
         for outline, share, x, y, um in c.missing:
             if self.plan.partial and outline not in whole:
                 continue
-            how = f"the wire stays {um / 1000.0:.3f} mm off it" if np.isfinite(um) else "no cut"
+            how = f"the wire stays {um / self.per:.3f} mm off it" if np.isfinite(um) else "no cut"
             what = "is not cut" if share == 1 else f"is not cut on {share:.0%} of its segments"
             findings.append(
                 say(
                     "missing-piece",
-                    f"outline {outline + 1} {what}, first at {mm(x, y)} mm: {how}",
-                    points_mm=((x / 1000.0, y / 1000.0),),
+                    f"outline {outline + 1} {what}, first at {mm(x, y, self.per)} mm: {how}",
+                    points_mm=((x / self.per, y / self.per),),
                 )
             )
         if self.plan.partial:
@@ -523,9 +535,9 @@ class _Case(NamedTuple):
             findings.append(
                 note(
                     "uncut-corner",
-                    f"the round wire leaves up to {c.uncut_um / 1000.0:.3f} mm in inner corners, "
-                    f"most at {mm(x, y)} mm",
-                    points_mm=((x / 1000.0, y / 1000.0),),
+                    f"the round wire leaves up to {c.uncut_um / self.per:.3f} mm in inner corners, "
+                    f"most at {mm(x, y, self.per)} mm",
+                    points_mm=((x / self.per, y / self.per),),
                 )
             )
         return c.uncut_um
@@ -539,7 +551,7 @@ def _mine(kind: Plan, whole: Plan, cuts: Sequence[Cut]) -> Bools:
     return np.array([c.number in own for c in cuts], bool)
 
 
-def _slip(route: Route, t: Track, low: int, high: int, index: Ints) -> str:
+def _slip(route: Route, t: Track, low: int, high: int, index: Ints, per: float) -> str:
     """Return words on the first of blocks low to high - 1 that ends beside the vertex it is for.
 
     Along a smooth path a block may run on, or fall short, and be found out by a later one.
@@ -560,7 +572,7 @@ def _slip(route: Route, t: Track, low: int, high: int, index: Ints) -> str:
     if not len(slips):
         return ""
     how = "past" if missed[slips[0]] > 0 else "short of"
-    far = abs(float(missed[slips[0]])) / 1000.0
+    far = abs(float(missed[slips[0]])) / per
     return f"; block {int(index[low + slips[0]]) + 1} already ends {far:.3f} mm {how} its vertex"
 
 

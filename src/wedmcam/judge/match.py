@@ -16,7 +16,7 @@ from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.route import Route, assemble
-from wedmcam.judge.runs import Assigned, mm, runs, span_of
+from wedmcam.judge.runs import Assigned, mm, per_mm, runs, span_of
 from wedmcam.judge.segments import (
     Floats,
     Ints,
@@ -157,6 +157,7 @@ def match(
         whether each runs against the plan's sense, and findings: an error for each cut that is
         missing and each piece that is none; notes for what is other than planned.
     """
+    per = per_mm(program)
     findings: list[Diagnostic] = []
     wanted = [path_box(c) for c in plan.cuts]
     free = set(range(len(plan.cuts)))
@@ -182,9 +183,9 @@ def match(
         findings.append(
             error(
                 "missing-cut",
-                f"cut {k + 1} (contour {plan.cuts[k].number}, low corner {mm(x, y)} mm) is not in "
-                "the program",
-                points_mm=((float(x) / 1000.0, float(y) / 1000.0),),
+                f"cut {k + 1} (contour {plan.cuts[k].number}, low corner {mm(x, y, per)} mm) is "
+                "not in the program",
+                points_mm=((float(x) / per, float(y) / per),),
             )
         )
     if not assigned:
@@ -209,7 +210,8 @@ def match(
             findings.append(
                 note(
                     "other-order",
-                    f"cut {a.cut + 1} is threaded at {mm(x, y)} mm, not at {mm(tx, ty)} mm",
+                    f"cut {a.cut + 1} is threaded at {mm(x, y, per)} mm, not at "
+                    f"{mm(tx, ty, per)} mm",
                     span_of(program, int(a.index[0])),
                 )
             )
@@ -222,15 +224,16 @@ def match(
 
 
 def _stranger(way: Walk, program: Program, piece: Piece) -> Diagnostic:
+    per = per_mm(program)
     first = int(piece.index[0])
     x, y = way.start[first]
     w, h = piece.box[2:] - piece.box[:2]
     return error(
         "extra-cut",
-        f"blocks {first + 1} to {int(piece.index[-1]) + 1} cut a contour of {w / 1000.0:.3f} x "
-        f"{h / 1000.0:.3f} mm that the plan does not have there",
+        f"blocks {first + 1} to {int(piece.index[-1]) + 1} cut a contour of {w / per:.3f} x "
+        f"{h / per:.3f} mm that the plan does not have there",
         span_of(program, first),
-        points_mm=((float(x) / 1000.0, float(y) / 1000.0),),
+        points_mm=((float(x) / per, float(y) / per),),
     )
 
 

@@ -47,17 +47,22 @@ class Assigned(NamedTuple):
     pauses: tuple[int, ...]
 
 
-def mm(x: float, y: float) -> str:
-    """Return a place for a message, from um; never -0.
+def per_mm(program: Program) -> float:
+    """Return how many steps of a program go to a mm: what all lengths here are divided by."""
+    return 1000.0 / program.step_um
+
+
+def mm(x: float, y: float, per: float = 1000.0) -> str:
+    """Return a place for a message, from steps of which ``per`` go to a mm; never -0.
 
     >>> mm(-0.4, 12500)
     '(0.000, 12.500)'
     """
-    return f"({_plain(x)}, {_plain(y)})"
+    return f"({_plain(x / per)}, {_plain(y / per)})"
 
 
-def _plain(um: float) -> str:
-    text = f"{um / 1000.0:.3f}"
+def _plain(value: float) -> str:
+    text = f"{value:.3f}"
     return text[1:] if text.lstrip("-0.") == "" and text.startswith("-") else text
 
 
@@ -145,34 +150,38 @@ def _goes_on(
 
 
 def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
+    per = per_mm(program)
     x, y = cut.thread
     return error(
         "missing-cut",
-        f"cut {number + 1} (contour {cut.number}, threaded at {mm(x, y)} mm) is not in the program",
-        points_mm=((x / 1000.0, y / 1000.0),),
+        f"cut {number + 1} (contour {cut.number}, threaded at {mm(x, y, per)} mm) is not in the "
+        "program",
+        points_mm=((x / per, y / per),),
     )
 
 
 def _extra(program: Program, run: Run) -> Diagnostic:
+    per = per_mm(program)
     first = int(run.index[0])
     x, y = run.start
     return error(
         "extra-cut",
-        f"blocks {first + 1} to {int(run.index[-1]) + 1} cut from {mm(x, y)} mm on; no contour is "
-        "left for them",
+        f"blocks {first + 1} to {int(run.index[-1]) + 1} cut from {mm(x, y, per)} mm on; no "
+        "contour is left for them",
         span_of(program, first),
-        points_mm=((x / 1000.0, y / 1000.0),),
+        points_mm=((x / per, y / per),),
     )
 
 
 def _thread(program: Program, run: Run, cut: Cut, number: int) -> Diagnostic:
+    per = per_mm(program)
     first = int(run.index[0])
     (x, y), (tx, ty) = run.start, cut.thread
-    off = np.hypot(x - tx, y - ty) / 1000.0
+    off = np.hypot(x - tx, y - ty) / per
     return error(
         "thread-point",
-        f"block {first + 1} starts cut {number + 1} at {mm(x, y)} mm, {off:.3f} mm from its thread "
-        f"point {mm(tx, ty)} mm",
+        f"block {first + 1} starts cut {number + 1} at {mm(x, y, per)} mm, {off:.3f} mm from its "
+        f"thread point {mm(tx, ty, per)} mm",
         span_of(program, first),
-        points_mm=((x / 1000.0, y / 1000.0),),
+        points_mm=((x / per, y / per),),
     )

@@ -27,7 +27,7 @@ class BlockTable(NamedTuple):
     block: NDArray[np.int64]
     cut: NDArray[np.int64]
     nominal: NDArray[np.float64]
-    stepped: NDArray[np.int64]
+    stepped: NDArray[np.int64] | NDArray[np.float64]
     error: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
@@ -68,6 +68,8 @@ class CutVerdict(NamedTuple):
 
 class Verdict(NamedTuple):
     """The figures of a program; see ``docs`` of the fields in the command line's summary.
+
+    Lengths are true um and mm, also where a step of the machine is not 1 um.
 
     Attributes:
         ok: no error was found.
@@ -114,7 +116,7 @@ class Verdict(NamedTuple):
     controls: int
     path_mm: float
     extents_um: tuple[float, float, float, float]
-    origin_um: tuple[int, int]
+    origin_um: tuple[float, float]
     offset_um: float
     side: str
     path_limit_um: float

@@ -106,7 +106,7 @@ class Iso:
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """How the axes of the drawing lie on those of the controller.
+    """How the axes of the drawing lie on those of the controller, and how far a pulse moves them.
 
     A place (x, y) of the drawing is first mirrored, then exchanged: mirror_x makes it (-x, y),
     mirror_y (x, -y), exchange then (y, x). So mirrors speak of the drawing's axes: with exchange
@@ -116,32 +116,42 @@ class Axes:
     Programs, their limits, travel and 45 degree lines are in the controller's frame; all reports,
     pictures and drawings in the frame of the drawing.
 
+    A controller counts pulses; step_um is how far one moves the machine. A unit in a program (1, or
+    0.001 in a file in mm) is one pulse, whatever the controller calls it, and limits on numbers
+    count pulses: with 5 um a program of 3B reaches 4999.995 mm. What is proven then are twice as
+    many um as a pulse moves, for the path, and 1.6 times as many for the gouge: 20 and 16 um with
+    steps of 10 um. Thread points lie on whole steps from the drawing's zero.
+
     Attributes:
         exchange: the drawing's x lies along the controller's Y, and its y along X.
         mirror_x: what goes towards +x in the drawing goes towards minus at the machine.
         mirror_y: likewise for y.
+        step_um: how far one pulse of the controller moves the machine, um.
     """
 
     exchange: bool = False
     mirror_x: bool = False
     mirror_y: bool = False
+    step_um: float = 1.0
 
     @property
     def plain(self) -> bool:
-        """Whether drawing and controller have one frame."""
+        """Whether the axes of drawing and controller are the same."""
         return not (self.exchange or self.mirror_x or self.mirror_y)
 
     @property
     def said(self) -> str:
         """What is done to the axes, for people; empty for nothing.
 
-        >>> Axes(exchange=True, mirror_x=True).said
-        'x mirrored, then x and y exchanged'
+        >>> Axes(exchange=True, mirror_x=True).said, Axes(step_um=2).said
+        ('x mirrored, then x and y exchanged', 'steps of 2 um')
         """
         mirrored = [name for name, on in (("x", self.mirror_x), ("y", self.mirror_y)) if on]
         words = [f"{' and '.join(mirrored)} mirrored"] if mirrored else []
         words += ["x and y exchanged"] if self.exchange else []
-        return ", then ".join(words)
+        turned = ", then ".join(words)
+        step = f"steps of {self.step_um:g} um" if self.step_um != 1 else ""
+        return "; ".join(t for t in (turned, step) if t)
 
 
 @dataclass(frozen=True, slots=True)

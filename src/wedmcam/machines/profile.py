@@ -58,6 +58,7 @@ def _pair(value: list[Any]) -> bool:
 _B3 = ("3b",)
 _ISO = ("iso",)
 _READABLE = (*_B3, *_ISO)
+_STEPPED = (*_READABLE, "compact")
 _TEXT = _Key(str, "text of one line", lambda v: v != "" and "\n" not in v, required=True)
 _BLANKS = _Key(str, "blanks or nothing", _blanks, formats=_B3)
 _WORD = _Key(
@@ -93,7 +94,15 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "blocks": _whole(1, _UM, formats=_READABLE),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
     },
-    "axes": {"exchange": _FLAG, "mirror_x": _FLAG, "mirror_y": _FLAG},
+    "axes": {
+        "exchange": _FLAG,
+        "mirror_x": _FLAG,
+        "mirror_y": _FLAG,
+        # The figures of the ZD-065's other formats are rounded by the controller itself, in um.
+        "step_um": _Key(
+            float, "a number of um, 0.01 to 100", lambda v: 0.01 <= v <= 100, formats=_STEPPED
+        ),
+    },
     "words": {"pause": _WORD, "stop": _WORD, "end": _WORD},
     "layout": {
         "after_b": _BLANKS,
@@ -123,7 +132,12 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },
 }
-_TYPE_NAMES: dict[type, str] = {str: "text", int: "a whole number", bool: "true or false"}
+_TYPE_NAMES: dict[type, str] = {
+    str: "text",
+    int: "a whole number",
+    float: "a number",
+    bool: "true or false",
+}
 
 
 def _place(text: str, name: str, section: str, key: str) -> Span:
@@ -173,6 +187,8 @@ def _check(
                     hint=_suggest(key, known),
                 )
             )
+        elif type(value) is int and rule.of is float and rule.good(value):
+            good[key] = float(value)
         elif type(value) is not rule.of or not rule.good(value):
             kind = _TYPE_NAMES.get(type(value))
             got = repr(value) if kind is None or type(value) is rule.of else f"{kind} {value!r}"

@@ -17,8 +17,8 @@ from wedmcam.geom.quantize import to_grid
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.plan import Plan
 
-#: How far a stepped block may start from the exact path, um.
-NEAR_UM = 4.0
+#: How far a stepped block may start from the exact path, steps of the machine.
+NEAR_STEPS = 4.0
 #: Less than this is not worth a segment of its own, um.
 SHORTEST_UM = 1.0
 
@@ -29,7 +29,12 @@ def some(plan: Plan, first: int, last: int) -> Plan:
 
 
 def rest(
-    plan: Plan, index: int, at: tuple[int, int], along_um: float, backwards: bool
+    plan: Plan,
+    index: int,
+    at: tuple[int, int],
+    along_um: float,
+    backwards: bool,
+    step_um: float = 1.0,
 ) -> Plan | None:
     """Return what is left of a plan when the wire broke within a cut.
 
@@ -40,12 +45,13 @@ def rest(
         along_um: about how far along the path that is: the path may pass the place twice.
         backwards: cut from the end of the path back to ``at``, threaded where the whole contour
             was; else on from ``at``, threaded there, in the kerf.
+        step_um: of the machine.
 
     Returns:
         The cut's rest and all later cuts; None where ``at`` does not lie on the path.
     """
     cut = plan.cuts[index]
-    found = _behind(cut.path, at, along_um)
+    found = _behind(cut.path, at, along_um, NEAR_STEPS * step_um)
     if found is None:
         return None
     left = plan.cuts[index + 1 :]
@@ -62,13 +68,13 @@ def rest(
     return replace(plan, cuts=(part, *left), partial=True)
 
 
-def _behind(path: Contour, at: tuple[int, int], along_um: float) -> Contour | None:
+def _behind(path: Contour, at: tuple[int, int], along_um: float, near_um: float) -> Contour | None:
     """Return the path behind the point nearest to ``at``, open; whole where that is its start."""
     s = seg.of_rows(path.starts, path.ends)
     begin = np.cumsum(s.length) - s.length
     n = len(s)
     off = seg.distances(s, np.full(n, float(at[0])), np.full(n, float(at[1])))
-    near = np.flatnonzero(off <= NEAR_UM)
+    near = np.flatnonzero(off <= near_um)
     if not len(near):
         return None
     places = np.array([_progress(s, int(k), at) + begin[k] for k in near.tolist()])

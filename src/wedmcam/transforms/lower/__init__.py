@@ -23,6 +23,7 @@ from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program, Role
 from wedmcam.transforms.lower.course import Course, lay_out
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
 from wedmcam.transforms.lower.repair import best_chain
+from wedmcam.transforms.lower.steps import in_steps
 
 __all__ = ["Budget", "Target", "lower"]
 
@@ -50,6 +51,7 @@ class Target:
         count_um: largest J. line_um: largest line component. arc_um: largest arc coordinate and
             radius.
         textbook: J by geometry, for controllers that recompute the ends of arcs.
+        step_um: how far a step moves the machine. The limits above count steps.
     """
 
     square: bool = False
@@ -59,6 +61,12 @@ class Target:
     line_um: int = 999_999
     arc_um: int = 999_999
     textbook: bool = False
+    step_um: float = 1.0
+
+    @property
+    def per_mm(self) -> float:
+        """How many steps go to a mm."""
+        return 1000.0 / self.step_um
 
 
 @dataclass(slots=True)
@@ -124,6 +132,7 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
     ``cannot-lower`` (error), ``blocks-split`` and ``specks-dropped`` (notes).
     """
     found: list[Diagnostic] = []
+    plan = in_steps(plan, target.step_um)
     course = lay_out(plan)
     s = _state(course)
     found += _chords_over_limit(s, course, target)
@@ -146,7 +155,8 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
         found.append(
             error(
                 "cannot-lower",
-                f"an arc near ({s.x[s.v0[k]] / 1000:.3f}, {s.y[s.v0[k]] / 1000:.3f}) mm has no "
+                f"an arc near ({s.x[s.v0[k]] / target.per_mm:.3f}, "
+                f"{s.y[s.v0[k]] / target.per_mm:.3f}) mm has no "
                 "stepped image within the budget of deviation",
                 course.sources[s.source[k]] if s.source[k] >= 0 else None,
                 hint="please report the drawing",
@@ -155,7 +165,10 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
         return None, found
     if splits:
         found.append(
-            note("blocks-split", f"{splits} arcs were split so that the path stays within 2 um")
+            note(
+                "blocks-split",
+                f"{splits} arcs were split so that the path stays within {2 * target.step_um:g} um",
+            )
         )
     program, more = _blocks(s, course, plan, target)
     return program, found + more
@@ -256,8 +269,9 @@ def _chords_over_limit(s: _State, course: Course, target: Target) -> list[Diagno
         found.append(
             warning(
                 "radius-over-limit",
-                f"an arc of radius {s.radius[k] / 1000:.3f} mm is over the format's limit of "
-                f"{target.arc_um / 1000:.3f} mm: cut as {n} chords within {CHORD_SAG_UM} um",
+                f"an arc of radius {s.radius[k] / target.per_mm:.3f} mm is over the format's limit "
+                f"of {target.arc_um / target.per_mm:.3f} mm: cut as {n} chords within "
+                f"{CHORD_SAG_UM * target.step_um:g} um",
                 course.sources[s.source[k]] if s.source[k] >= 0 else None,
             )
         )
@@ -487,6 +501,7 @@ def _blocks(
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program: blocks of all groups, with the control records between them."""
     found: list[Diagnostic] = []
+    per = target.per_mm
     a, b = s.v0, s.v1
     dx, dy = s.gx[b] - s.gx[a], s.gy[b] - s.gy[a]
     arc = (s.turn != 0) & (s.done == 1)
@@ -523,9 +538,9 @@ def _blocks(
                 found.append(
                     error(
                         "move-too-long",
-                        f"the move from ({here[0] / 1000:.3f}, {here[1] / 1000:.3f}) to the thread "
-                        f"point ({cut.thread[0] / 1000:.3f}, {cut.thread[1] / 1000:.3f}) mm is "
-                        f"longer than one block of {target.line_um / 1000:.3f} mm",
+                        f"the move from ({here[0] / per:.3f}, {here[1] / per:.3f}) to the thread "
+                        f"point ({cut.thread[0] / per:.3f}, {cut.thread[1] / per:.3f}) mm is "
+                        f"longer than one block of {target.line_um / per:.3f} mm",
                         cut.path.source_of(0),
                         hint="another --order, or thread points nearer to each other",
                     )
@@ -546,7 +561,10 @@ def _blocks(
     start = plan.cuts[0].thread
     if any(d.code == "move-too-long" for d in found):
         return None, found
-    return Program(np.concatenate(parts), start, tuple(course.sources)), found
+    return (
+        Program(np.concatenate(parts), start, tuple(course.sources), step_um=target.step_um),
+        found,
+    )
 
 
 def _last_point(cut: Cut) -> tuple[int, int]:

@@ -400,3 +400,8 @@ def test_overcut_of_a_cut_wins_over_the_option():
     made = wedmcam.compile((BOX + cut).encode(), name="box.wed", overcut=2)
     assert made.ok
     assert made.plan.cuts[0].overcut_um == 500
+
+
+def test_a_decimal_comma_is_named():
+    made = wedmcam.compile(b"contour a { circle center (0, 0) radius 9,5 } cut a on", name="a.wed")
+    assert made.findings[0].hint == "numbers have a decimal point: 9.5"

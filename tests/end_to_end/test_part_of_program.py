@@ -57,6 +57,13 @@ def test_the_published_hole() -> None:
     ]
 
 
+def test_equal_contours_are_one_moved() -> None:
+    text, told = again((ROOT / "tests/golden/plate.3b").read_bytes(), "plate.3b")
+    assert text.count("contour path") == 5
+    assert "let path2 = path1 | translate (30, 0)" in text
+    assert told.equal
+
+
 def test_an_open_path_and_ratio_lines() -> None:
     data = b"BBB50000GYL2 B17B5B17000GXL1 B2000B9000B25440GYNR2 DD"
     text, told = again(data, "open.3b", format="3b")

@@ -1,6 +1,7 @@
 """A decoded program as source text of the part language: what an old program cuts, to go on from.
 
-Each stretch between two moves becomes a contour of the lines and arcs that the controller steps,
+Each stretch between two moves becomes a contour of the lines and arcs that the controller steps
+(one that was there already, elsewhere, is moved there),
 and a ``cut ... on`` with its thread point, the point where the lead arrives, stop and overcut. So
 the text says what the wire does, not what the part was: the offset is in it. Every point is a
 whole micron where the controller really stood, so that compiling the text can find the same blocks
@@ -75,7 +76,7 @@ def source(
     cuts = []
     for k, one in enumerate(stretches(text.blocks, starts, ends)):
         contour, cut, lost = text.stretch(one, f"path{k + 1}")
-        lines += ["", *contour]
+        lines += contour if contour[0][:3] == lines[-1][:3] == "let" else ["", *contour]
         cuts.append(cut)
         for i, what in lost:
             found.append(warning("not-carried", what, _span(program, int(rows[i]))))
@@ -122,6 +123,8 @@ class _Text:
         self.centre = np.where(self.arc[:, None], starts - offset, 0)
         self.radius = np.hypot(blocks["x"], blocks["y"])
         self.sweep, self.length = self._sizes()
+        #: What draws each contour from its own start -> its name and where it starts.
+        self.seen: dict[tuple[str, ...], tuple[str, Ints]] = {}
 
     def _mm(self, steps: float) -> str:
         return _mm(steps * self.step_um)
@@ -151,20 +154,13 @@ class _Text:
         closed = bool((self.ends[path[-1]] == self.starts[path[0]]).all())
         home = self.starts[path[0]]
         thread = self.starts[one.lead_in[0]] if led else home
-        lines = [f"contour {name} {{"]
-        if closed and len(path) == 1:
-            i = path[0]
-            sense = "" if self.blocks["turn"][i] > 0 else "cw "
-            at, radius = self._at(self.centre[i]), self._mm(float(self.radius[i]))
-            lines.append(f"  circle {sense}center {at} radius {radius}")
+        same = tuple(self._commands(path, closed, home))
+        if same in self.seen:
+            other, there = self.seen[same]
+            lines = [f"let {name} = {other} | translate {self._at(home - there)}"]
         else:
-            lines.append(f"  from {self._at(home)}")
-            for i in path.tolist():
-                lines += self._block(i)
-            if closed:
-                # 'close' is a line back, and nothing after an arc that ends there.
-                lines = lines if self.arc[path[-1]] else lines[:-1]
-                lines.append("  close")
+            self.seen[same] = name, home
+            lines = [f"contour {name} {{", *self._commands(path, closed, 0 * home), "}"]
         cut = f"cut {name} on start {self._at(thread)}"
         if led or (closed and len(path) == 1):
             cut += f" enter {self._at(home)}"
@@ -172,7 +168,23 @@ class _Text:
         cut += stop
         if len(over):
             cut += f" overcut {self._mm(float(self.length[over[: len(over) // 2]].sum()))}"
-        return [*lines, "}"], cut, lost
+        return lines, cut, lost
+
+    def _commands(self, path: Ints, closed: bool, origin: Ints) -> list[str]:
+        """Return what draws a path, from ``origin``."""
+        if closed and len(path) == 1:
+            i = path[0]
+            sense = "" if self.blocks["turn"][i] > 0 else "cw "
+            at, radius = self._at(self.centre[i] - origin), self._mm(float(self.radius[i]))
+            return [f"  circle {sense}center {at} radius {radius}"]
+        lines = [f"  from {self._at(self.starts[path[0]] - origin)}"]
+        for i in path.tolist():
+            lines += self._block(i, origin)
+        if closed:
+            # 'close' is a line back, and nothing after an arc that ends there.
+            lines = lines if self.arc[path[-1]] else lines[:-1]
+            lines.append("  close")
+        return lines
 
     def _stop(self, one: Stretch, path: Ints, closed: bool) -> tuple[str, list[tuple[int, str]]]:
         """Return the clause of the last pause on the path; the others are lost."""
@@ -188,10 +200,10 @@ class _Text:
             lost.append((i, f"a pause at {where} has no place in the part language: {why}"))
         return told, lost[::-1]
 
-    def _block(self, i: int) -> list[str]:
-        """Return the commands of a block."""
+    def _block(self, i: int, origin: Ints) -> list[str]:
+        """Return the commands of a block, from ``origin``."""
         if not self.arc[i]:
-            return [f"  line to {self._at(self.ends[i])}"]
+            return [f"  line to {self._at(self.ends[i] - origin)}"]
         turn, sweep = int(self.blocks["turn"][i]), float(self.sweep[i])
         word, centre = ("ccw" if turn > 0 else "cw"), self.centre[i]
         least = 1 if sweep <= MOST_SWEEP else int(np.ceil(sweep / np.pi))
@@ -200,4 +212,5 @@ class _Text:
         part = np.repeat(self.blocks[i : i + 1], pieces - 1)
         dx, dy = position(part, self.steps[i] * np.arange(1, pieces) // pieces, self.table)
         stops = [*(self.starts[i] + np.column_stack([dx, dy])), self.ends[i]]
-        return [f"  arc {word} to {self._at(p)} center {self._at(centre)}" for p in stops]
+        middle = self._at(centre - origin)
+        return [f"  arc {word} to {self._at(p - origin)} center {middle}" for p in stops]

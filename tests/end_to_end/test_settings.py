@@ -197,3 +197,8 @@ def test_every_option_that_names_no_file_can_stand_there():
     assert {"output", "certificate", "plot", "against"} <= never
     shown = {settings.key_of(p) for p in main.cli.commands["config"].params}
     assert set(known) - never <= shown
+
+
+def test_a_folder_is_its_own_folder(shop):
+    put(shop, "jobs/inner", "lead = 4")
+    assert config(shop, input_="jobs/inner")["settings"]["lead"]["value"] == 4

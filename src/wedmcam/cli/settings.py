@@ -308,10 +308,14 @@ def places(folder: Path) -> list[Path]:
 
 
 def folder_of(name: str | None) -> Path:
-    """Return the folder of an input; the current one for standard input and for none."""
+    """Return the folder of an input; the current one for standard input and for none.
+
+    What is a folder itself (of ``batch``, ``config``) is its own.
+    """
     if name is None or name == "-":
         return Path.cwd()
-    return Path(os.path.abspath(name)).parent
+    path = Path(os.path.abspath(name))
+    return path if path.is_dir() else path.parent
 
 
 def _shown(path: Path) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wedmcam import __version__, machines, pipeline
+from wedmcam import __version__, machines, offsets, pipeline
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import LineTable, Program
@@ -107,6 +107,7 @@ def compile(
     try:
         drawn = pipeline.read(data, name, options, run)
         plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
+        options = offsets.entered(plan, machine, options)
         lowered = pipeline.lower(plan, machine, options, run)
         out = pipeline.encode(lowered, machine, run, plan, options)
         program, verdict = pipeline.prove(
@@ -278,6 +279,8 @@ def _summary(
 
         # The file may be gone or changed when the program is proven again.
         result["profile_toml"] = as_toml(machine)
+    if options.d:  # what is entered at the controller belongs to the program
+        result["d_um"] = {str(number): um for number, um in options.d}
     if out is None or not output_name:
         result["output"] = None
     result["ok"] = out is not None

@@ -185,6 +185,8 @@ def between(
     from wedmcam.judge.difference import difference
     from wedmcam.transforms.carry import carry
 
+    if machine.offsets:
+        return None, None, None, [_no_outline(machine)]
     table = LineTable(machine_in.table)
     carried, found = carry(program, table, rules_of(machine))
     if carried is None:
@@ -213,6 +215,16 @@ def _differs(what: str, program: Program, apart: Difference) -> Diagnostic:
         f"block {apart.block_a} of the first and {apart.block_b} of the other",
         _span_of(program, apart.block_a),
         hint="write another format; wedmcam dump shows the block",
+    )
+
+
+def _no_outline(machine: Machine) -> Diagnostic:
+    return error(
+        "not-in-format",
+        f"the profile '{machine.name}' wants outlines that the controller offsets, and a program "
+        "has only the path of the wire",
+        hint="compile the drawing with this profile, or convert with a profile that takes the path "
+        "(iso-um, iso-mm)",
     )
 
 

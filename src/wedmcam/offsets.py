@@ -7,16 +7,24 @@ two meet, with the table that the operator enters.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wedmcam.diag import Diagnostic, has_errors
+import numpy as np
+
+from wedmcam.diag import Diagnostic, TextSpan, has_errors
+from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import LineTable, Program
 from wedmcam.machines import Machine
-from wedmcam.options import WrongUse
+from wedmcam.options import Options, WrongUse
 
 if TYPE_CHECKING:
     from wedmcam.frontends.compensation import Table
     from wedmcam.transforms.lower import Target
+    from wedmcam.transforms.outlines import Grid, Written
+
+#: How often other places of the grid are tried where the path would stray too far.
+ROUNDS = 12
 
 #: Pairs of a D number and its offset, um.
 Given = Iterable[tuple[int, float]]
@@ -36,7 +44,9 @@ def decode(
     from wedmcam.frontends.axes import to_drawing
     from wedmcam.frontends.iso import read
 
-    made, found = read(data, machine, file, table)
+    step = machine.axes.step_um  # what follows is in steps of the machine
+    steps = table if table is None or step == 1 else _in_steps(table, step)
+    made, found = read(data, machine, file, steps)
     program = made.program
     if len(made.motions) and not has_errors(found):
         from wedmcam.transforms.controlled import applied
@@ -45,6 +55,139 @@ def decode(
         done, more = applied(made, target_of(machine))
         program, found = (program if done is None else done), [*found, *more]
     return to_drawing(program, machine.axes), found
+
+
+def _in_steps(table: Table, step_um: float) -> Table:
+    def steps(number: int) -> float | None:
+        um = table(number)
+        return None if um is None else um / step_um
+
+    return steps
+
+
+def started(plan: Plan, machine: Machine) -> tuple[Plan | None, list[Diagnostic]]:
+    """Return a plan whose paths start where a controller that offsets them can start."""
+    from wedmcam.transforms import outlines
+
+    return outlines.started(plan, grid_of(machine)) if machine.offsets else (plan, [])
+
+
+def numbers(plan: Plan, machine: Machine) -> dict[int, float]:
+    """Return what is to be entered at the controller: D number -> um; none for others."""
+    from wedmcam.transforms import outlines
+
+    return outlines.numbers(plan, machine.iso.d) if machine.offsets else {}
+
+
+def entered(plan: Plan, machine: Machine, options: Options) -> Options:
+    """Return the options with what is to be entered at the controller."""
+    return replace(options, d=tuple(numbers(plan, machine).items())) if machine.offsets else options
+
+
+def told(d: Given) -> list[tuple[str, str]]:
+    """Return what is to be entered at the controller, for people.
+
+    >>> told([(1, 101.6)])
+    [('D1', '0.1016 mm')]
+    """
+    return [(f"D{number}", f"{um / 1000:.4f} mm") for number, um in d]
+
+
+def encode(
+    plan: Plan, lowered: Program, machine: Machine, options: Options
+) -> tuple[bytes, list[Diagnostic]]:
+    """Return the ISO file in which the outlines of a plan stand with G41 or G42.
+
+    Args:
+        plan: whose paths start where `started` put them.
+        lowered: the same plan in blocks.
+        machine: an ISO profile of a controller that offsets.
+        options: as asked for.
+
+    Raises:
+        WrongUse: for what such a controller has no words.
+    """
+    from wedmcam.backends.axes import outlines_to_controller, to_controller
+    from wedmcam.backends.fit import travel
+    from wedmcam.backends.iso import encode_outlines
+    from wedmcam.source_map import block_ends
+    from wedmcam.transforms import outlines
+
+    if machine.axes.step_um != 1:
+        raise WrongUse(
+            f"the profile '{machine.name}' has step_um and compensation = \"controller\": outlines "
+            "are written in um"
+        )
+    if options.sharp:
+        raise WrongUse("--convex sharp is not what the controller makes of corners: leave it out")
+    if any(cut.overcut_um for cut in plan.cuts):
+        raise WrongUse("--overcut runs back in the kerf, where G41 and G42 change sides")
+    grid = grid_of(machine)
+    table = numbers(plan, machine)
+    _, ends = block_ends(lowered, machine)
+    found = travel(to_controller(lowered, machine.axes), machine)
+    if has_errors(found):
+        return b"", found
+    bad: list[tuple[int, int, int, int]] = []
+    best: tuple[int, bytes, list[Diagnostic]] | None = None
+    for _ in range(ROUNDS):
+        made, more = outlines.written(plan, lowered, ends, grid, table, bad)
+        if made is None:
+            return b"", [*found, *more]
+        data, more = encode_outlines(
+            *outlines_to_controller(made.programmed, made.ends, machine.axes), machine
+        )
+        again = _strays(data, made, plan, lowered, machine, table)
+        if best is None or len(again) < best[0]:
+            best = len(again), data, more
+        if not again or set(again) <= set(bad):
+            break
+        bad += again
+    assert best is not None
+    return best[1], [*found, *best[2]]
+
+
+def _strays(
+    data: bytes,
+    made: Written,
+    plan: Plan,
+    lowered: Program,
+    machine: Machine,
+    table: dict[int, float],
+) -> list[tuple[int, int, int, int]]:
+    """Return what was chosen for the motions along which the wire would stray too far.
+
+    Rounding twice, of the outline and of the path, may be too much where each alone is not. Here
+    the program is looked at as it will be judged, so that other places of the grid may be tried;
+    it is judged again all the same.
+    """
+    from wedmcam.frontends.iso import read
+    from wedmcam.judge.judge import judge
+
+    program, found = decode(data, machine, "program", table.get)
+    if has_errors(found):
+        return []  # another place of the grid is no cure for that
+    outline, _ = read(data, machine, "program", table.get)
+    rows = {
+        span.line: mark
+        for span, mark in zip(outline.program.spans, outline.mark.tolist(), strict=True)
+        if mark >= 0 and isinstance(span, TextSpan)
+    }
+    placed = replace(program, origin=lowered.origin)
+    verdict, found = judge(placed, plan, table=LineTable(machine.table), limits=machine.limits)
+    if not has_errors(found):
+        return []
+    t = verdict.table
+    keeps = {k + 1: cut.keeps_left for k, cut in enumerate(plan.cuts)}
+    left = np.array([keeps.get(int(n)) is True for n in t.cut])
+    right = np.array([keeps.get(int(n)) is False for n in t.cut])
+    limit, gouge = verdict.path_limit_um, verdict.gouge_limit_um
+    off = (np.maximum(np.abs(t.low), np.abs(t.high)) > limit) | (left & (t.high > gouge))
+    off |= right & (t.low < -gouge)
+    lines = {getattr(program.spans[int(n) - 1], "line", 0) for n in t.block[off]}
+    marks = {rows[line] for line in lines if line in rows}
+    chosen = {tuple(made.chosen[m].tolist()) for m in marks if m < len(made.chosen)}
+    return [c for c in sorted(chosen) if c[0] >= 0]
 
 
 def table_of(given: Given, every: float | None = None) -> Table | None:
@@ -70,6 +213,15 @@ def table_of(given: Given, every: float | None = None) -> Table | None:
     if entered:
         return entered.get
     return None if every is None else lambda number: every
+
+
+def grid_of(machine: Machine) -> Grid:
+    """Return what the numbers of an ISO profile can state."""
+    from wedmcam.transforms.outlines import Grid
+
+    how = machine.iso
+    step = 1.0 if how.unit == "um" else 10.0 ** (3 - how.decimals)
+    return Grid(step, machine.limits.line_um, machine.limits.arc_um)
 
 
 def target_of(machine: Machine) -> Target:

@@ -212,8 +212,10 @@ def part_of(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     Raises:
         WrongUse: there is no such cut or block, or nothing is left to cut behind it.
     """
+    from wedmcam import offsets
     from wedmcam.transforms.rest import some
 
+    made = run("leads", offsets.started(made, machine))
     if options.cuts is not None:
         if options.cuts[1] > len(made.cuts):
             raise WrongUse(
@@ -319,6 +321,10 @@ def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Op
 
         run.add("encode", zd065.corners(made))
         more["grown"] = zd065.grown(made, program)
+    if machine.offsets:
+        from wedmcam import offsets
+
+        return run("encode", offsets.encode(made, program, machine, options))
     data: bytes = run("encode", encoder(machine.format)(program, machine, **more))
     return data
 
@@ -363,9 +369,10 @@ def prove(
     """Decode the bytes that are to be written, run them, and compare with the plan and the part."""
     from dataclasses import replace as changed
 
+    from wedmcam import offsets
     from wedmcam.judge.judge import judge
 
-    decoded, found = decode(data, machine, file, options)
+    decoded, found = decode(data, machine, file, offsets.entered(made, machine, options))
     # Notes of the reader say how it understood a foreign file; and what the writer warned of (the
     # file needs two loads, say) need not be said twice.
     said = {d.code for d in run.found}
@@ -385,6 +392,17 @@ def prove(
         strict_order=strict_order,
         trimmed=options.trim,
     )
+    if machine.offsets and has_errors(found):
+        found = [
+            *found,
+            note(
+                "not-reachable",
+                "the outline and the path of the controller are both rounded to its grid: some "
+                "places come out farther from the path than is allowed",
+                hint="a profile with more digits (iso-g41-mm), or one that does not leave the "
+                "offset to the controller",
+            ),
+        ]
     if machine.format == "compensation" and has_errors(found):
         found = [
             *found,

@@ -11,6 +11,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from wedmcam.ir.program import Kind
+from wedmcam.offsets import told
 from wedmcam.source_map import block_ends
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
         ("offset, side", f"{v.offset_um / 1000:.3f} mm, {v.side}"),
+        *((f"offset {d}, to be entered", um) for d, um in told(made.options.d)),
         ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm".format(
             *(e / 1000 for e in v.extents_um))),
         ("proof", f"deviation {v.max_deviation_um:.2f} um, gouge "

@@ -38,6 +38,8 @@ PROFILES = {
     "plate.numbered.3b": "b3-numbered",
     "plate.mm.nc": "iso-mm",
     "plate.fixed.nc": "iso-fixed",
+    "plate.g41.nc": "iso-g41",
+    "plate.g41-mm.nc": "iso-g41-mm",
 }
 
 

@@ -206,6 +206,17 @@ def test_axes_are_the_controllers_own():
     assert there.tolist() == positions(read(SLOT, [(1, 100.0)])[0], UM)[1].tolist()
 
 
+def test_offsets_are_um_whatever_a_step_is():
+    from dataclasses import replace
+
+    from wedmcam.machines.machine import Axes
+
+    coarse = replace(UM, axes=Axes(step_um=2))
+    program, found = read(SLOT, [(1, 200.0)], coarse)
+    assert not found
+    assert (program.blocks == read(SLOT, [(1, 100.0)])[0].blocks).all()
+
+
 def test_without_a_table_the_d_numbers_are_told():
     _, found = read(SLOT)
     assert found[0].code == "iso-compensation"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import error
 from wedmcam.ir.program import Axis, Program
+from wedmcam.ir.programmed import Programmed
 from wedmcam.machines import Axes, Machine
 
 #: What counts on what once x and y are exchanged; indexed by `Axis`.
@@ -49,6 +50,30 @@ def to_controller(program: Program, axes: Axes) -> Program:
         blocks["axis"][moving] = _EXCHANGED[blocks["axis"][moving]]
     x, y = places(np.array([program.origin]), axes)[0].tolist()
     return replace(program, blocks=blocks, origin=(x, y))
+
+
+def outlines_to_controller(
+    written: Programmed, ends: NDArray[np.float64], axes: Axes
+) -> tuple[Programmed, NDArray[np.float64]]:
+    """Return outlines of the drawing's frame, and where their blocks end, in the controller's.
+
+    A mirror turns left and right around, and the sense of arcs.
+    """
+    motions = written.motions.copy()
+    for x, y in (("x0", "y0"), ("x1", "y1"), ("cx", "cy")):
+        there = _turned(np.stack([motions[x], motions[y]], axis=1), axes)
+        motions[x], motions[y] = there[:, 0], there[:, 1]
+    if axes.exchange ^ axes.mirror_x ^ axes.mirror_y:
+        motions["turn"] *= -1
+        motions["shift"] *= -1
+    program = to_controller(written.program, axes)
+    return Programmed(program, written.mark, motions), _turned(ends, axes)
+
+
+def _turned(xy: NDArray[np.float64], axes: Axes) -> NDArray[np.float64]:
+    signs = np.array([-1.0 if axes.mirror_x else 1.0, -1.0 if axes.mirror_y else 1.0])
+    mirrored: NDArray[np.float64] = xy * signs
+    return mirrored[:, ::-1] if axes.exchange else mirrored
 
 
 def in_frame(encode: Any) -> Any:

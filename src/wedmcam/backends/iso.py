@@ -14,7 +14,8 @@ from wedmcam.backends.fit import Checks, ends, travel
 from wedmcam.controller import arc_end, run
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, iso
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.ir.programmed import Programmed
 from wedmcam.machines import Iso, Machine
 
 
@@ -81,6 +82,10 @@ def encode(
     if positions is None:
         positions = ends(program, machine)
     rows = _rows(program, kinds, motion, positions, machine.iso, names)
+    return _text(rows, machine), checks.found
+
+
+def _text(rows: list[str], machine: Machine) -> bytes:
     layout = machine.layout
     if layout.number_width:
         sep = machine.iso.between
@@ -88,11 +93,79 @@ def encode(
     text = "".join(row + layout.eol for row in rows)
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
-    return data + frame[1].encode(layout.encoding), checks.found
+    return data + frame[1].encode(layout.encoding)
+
+
+def encode_outlines(
+    written: Programmed, ends: NDArray[np.float64], machine: Machine
+) -> tuple[bytes, list[Diagnostic]]:
+    """Return the ISO file of outlines that the controller offsets.
+
+    Args:
+        written: in the controller's frame; what is not in compensation is a plain block.
+        ends: where each block ends as it is programmed, um, shape (blocks, 2).
+        machine: an ISO profile.
+
+    Returns:
+        The bytes. G41 or G42 with its D stands with the lead-in, G40 with the lead-out; behind an
+        open outline G40 stands alone.
+    """
+    how, motions = machine.iso, written.motions
+    sep, digits = how.between, how.code_digits
+    codes = {n: f"G{n:0{digits}d}" for n in (0, 1, 2, 3)}
+    incremental = how.coordinates == "incremental"
+    per = _per_um(how)
+    at = np.floor(ends * per + 0.5).astype(np.int64)
+    here = np.floor(np.array(written.program.origin) * per + 0.5).astype(np.int64)
+    rows = [
+        sep.join(["G92", "X" + _number(how, int(here[0])), "Y" + _number(how, int(here[1]))]),
+        "G91" if incremental else "G90",
+    ]
+    blocks = written.program.blocks
+    runs = np.append(motions["run"], -1)
+    # Behind an outline without a way out G40 stands alone.
+    open_end = (runs[:-1] != runs[1:]) & (motions["role"] != Role.LEAD_OUT)
+    for i, mark in enumerate(written.mark.tolist()):
+        kind, turn = int(blocks["kind"][i]), int(blocks["turn"][i])
+        if kind > Kind.MOVE:
+            rows.append(f"M{0 if kind == Kind.PAUSE else 2:0{digits}d}")
+            continue
+        if mark >= 0:
+            turn = int(motions["turn"][mark])
+            centre = np.array([motions["cx"][mark], motions["cy"][mark]])
+            centre = np.floor(centre * per + 0.5).astype(np.int64) - here
+        else:
+            centre = -np.array([blocks["x"][i], blocks["y"][i]]) * round(per)
+        to = at[i]
+        words = [codes[2 + (turn > 0) if turn else 0 if kind == Kind.MOVE and how.rapid else 1]]
+        if mark >= 0 and motions["role"][mark] == Role.LEAD_IN:
+            side = 41 if motions["shift"][mark] > 0 else 42
+            words = [f"G{side}", f"D{int(motions['d'][mark])}", *words]
+        elif mark >= 0 and motions["role"][mark] == Role.LEAD_OUT:
+            words = ["G40", *words]
+        ends_at = (to - here if incremental else to).tolist()
+        words += [f"{k}{_number(how, v)}" for k, v in zip("XY", ends_at, strict=True)]
+        if turn:
+            words += [f"{k}{_number(how, v)}" for k, v in zip("IJ", centre.tolist(), strict=True)]
+        rows.append(sep.join(words))
+        if mark >= 0 and open_end[mark]:
+            rows.append("G40")
+        here = to
+    found = []
+    most = machine.limits.blocks
+    if most and len(rows) - 2 > most:
+        text = f"{len(rows) - 2} records; {machine.name} holds {most}"
+        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
+    return _text(rows, machine), found
+
+
+def _per_um(how: Iso) -> float:
+    """Return how many units of the last digit a um has."""
+    return 1.0 if how.unit == "um" else 10.0 ** (how.decimals - 3)
 
 
 def _number(how: Iso, value: int) -> str:
-    """Return a length as the profile writes it.
+    """Return a length as the profile writes it, from units of its last digit.
 
     >>> _number(Iso(unit="mm", sign="always"), -1500), _number(Iso(width=6), 12)
     ('-1.500', '000012')
@@ -101,7 +174,8 @@ def _number(how: Iso, value: int) -> str:
     size = abs(value)
     if how.unit == "um":
         return f"{sign}{size:0{max(how.width, 1)}d}"
-    return f"{sign}{f'{size // 1000}.{size % 1000:03d}':0>{max(how.width, 1)}}"
+    n = how.decimals
+    return f"{sign}{f'{size // 10**n}.{size % 10**n:0{n}d}':0>{max(how.width, 1)}}"
 
 
 def _rows(  # type: ignore[no-untyped-def]
@@ -119,8 +193,10 @@ def _rows(  # type: ignore[no-untyped-def]
     codes = {n: f"G{n:0{digits}d}" for n in (0, 1, 2, 3)}
     pause, stop = f"M{0:0{digits}d}", f"M{2:0{digits}d}"
     incremental = how.coordinates == "incremental"
+    per = round(_per_um(how))
     px, py = (motion.dx, motion.dy) if incremental else (positions[:, 0], positions[:, 1])
-    ox, oy = program.origin
+    px, py = px * per, py * per
+    ox, oy = (per * v for v in program.origin)
     rows = [
         sep.join(["G92", "X" + _number(how, int(ox)), "Y" + _number(how, int(oy))]),
         "G91" if incremental else "G90",
@@ -130,8 +206,8 @@ def _rows(  # type: ignore[no-untyped-def]
         blocks["turn"].tolist(),
         px.tolist(),
         py.tolist(),
-        (-blocks["x"]).tolist(),
-        (-blocks["y"]).tolist(),
+        (-blocks["x"] * per).tolist(),
+        (-blocks["y"] * per).tolist(),
         strict=True,
     )
     ended = False

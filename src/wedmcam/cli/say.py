@@ -141,6 +141,11 @@ def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
         proof_line(made),
     ):
         click.echo(line, err=True)
+    if made.options.d:
+        from wedmcam.offsets import told
+
+        pairs = ", ".join(f"{name} = {length}" for name, length in told(made.options.d))
+        click.echo(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
     if verbose:
         _say_cuts(made)
 

@@ -462,7 +462,7 @@ CODES: dict[str, Code] = {
     "not-reachable": Code(
         "No numbers of the format make the controller compute this block.",
         "Another path would be cut than the one that was proven.",
-        "Compile for the cutting format: --to compact.",
+        "Another format: --to compact; for G41 and G42 a profile with more digits.",
     ),
     "zero-count": Code(
         "The count length J is 0.",

@@ -85,13 +85,18 @@ class Iso:
 
     Attributes:
         coordinates: ``incremental`` (G91) or ``absolute`` (G90, drawing coordinates).
-        unit: ``um``: whole numbers; ``mm``: three digits behind a point.
+        unit: ``um``: whole numbers; ``mm``: digits behind a point.
         integers: what a number without a point is where a program is read, ``um`` or ``mm``.
         code_digits: of G and M codes: 2 writes G01, 1 writes G1.
         rapid: moves are G00; else G01 between two M00.
         sign: ``negative`` writes a minus only, ``always`` a plus too.
         width: numbers have at least so many characters, zeros in front, the sign not counted.
         between: what parts the words of a line.
+        decimals: digits behind the point with ``unit`` mm.
+        compensation: ``computed``: the path of the wire is written (G40); ``controller``: the
+            outline is, with G41 or G42, and the offset is entered at the controller.
+        d: number of the first offset in the controller's table; a program with several offsets
+            takes the next ones too.
     """
 
     coordinates: str = "incremental"
@@ -102,6 +107,9 @@ class Iso:
     sign: str = "negative"
     width: int = 1
     between: str = " "
+    decimals: int = 3
+    compensation: str = "computed"
+    d: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,6 +208,11 @@ class Machine:
         else:  # quadrants 1 and 3 change places with 2 and 4 at every mirror, x with y at exchange
             turned = a.exchange ^ a.mirror_x ^ a.mirror_y
         return f"{self.line_table}-exchanged" if turned else self.line_table
+
+    @property
+    def offsets(self) -> bool:
+        """Whether the controller offsets outlines by itself (G41, G42)."""
+        return self.format == "iso" and self.iso.compensation == "controller"
 
     @property
     def binary(self) -> bool:

@@ -129,6 +129,9 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "rapid": _Key(bool, "true or false", lambda v: True, formats=_ISO),
         "sign": _choice("negative", "always", formats=_ISO),
         "width": _whole(1, 12, formats=_ISO),
+        "decimals": _whole(3, 5, formats=_ISO),
+        "compensation": _choice("computed", "controller", formats=_ISO),
+        "d": _whole(0, 999, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },
 }

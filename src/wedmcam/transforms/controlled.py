@@ -207,8 +207,10 @@ def beside(outline: Contour, shift: float) -> tuple[Contour | None, list[Diagnos
     Returns:
         The path, closed where the outline ends at its start and the path does.
     """
-    made, found = compensate([outline], [shift])
     s = seg.of_rows(outline.starts, outline.ends)
+    smooth = _closes(outline, s, shift)
+    drawn = Contour(outline.vertices[:-1].copy(), True, outline.sources) if smooth else outline
+    made, found = compensate([drawn], [shift])
     if found:
         places = [(1e3 * x, 1e3 * y) for x, y in found[0].points_mm[:1]]
         return None, [_lost_error(outline, s, shift, 0, *places)]
@@ -217,27 +219,45 @@ def beside(outline: Contour, shift: float) -> tuple[Contour | None, list[Diagnos
         rows = np.array([*met.rows, met.row])  # the shortest of those that are left out
         k = int(rows[np.argmin(s.length[rows])])
         return None, [_lost_error(outline, s, shift, k, met.at)]
-    lost = _lost(outline, s, shift, [p.path for p in made.paths])
+    paths = [_from_first(p.path) for p in made.paths]
+    lost = _lost(outline, s, shift, paths, smooth)
     if lost is not None:
         return None, [_lost_error(outline, s, shift, lost)]
-    v, o = made.paths[0].path.vertices, outline.vertices
-    closed = o["x"][0] == o["x"][-1] and o["y"][0] == o["y"][-1]
-    closed &= np.hypot(v["x"][-1] - v["x"][0], v["y"][-1] - v["y"][0]) <= CLOSED_UM
-    rows = v[:-1].copy() if closed else v.copy()
-    return Contour(rows, bool(closed), outline.sources), []
+    return Contour(paths[0].vertices.copy(), smooth, outline.sources), []
 
 
-def _lost(outline: Contour, s: seg.Segments, shift: float, paths: list[Contour]) -> int | None:
+def _closes(outline: Contour, s: seg.Segments, shift: float) -> bool:
+    """Return whether an outline ends at its start, and its path does but for rounding."""
+    v = outline.vertices
+    if v["x"][0] != v["x"][-1] or v["y"][0] != v["y"][-1]:
+        return False
+    (ax, ay), (bx, by) = seg.end_tangents(s), seg.start_tangents(s)
+    angle = np.arctan2(ax[-1] * by[0] - ay[-1] * bx[0], ax[-1] * bx[0] + ay[-1] * by[0])
+    return bool(abs(angle * shift) <= CLOSED_UM)
+
+
+def _from_first(path: Contour) -> Contour:
+    """Return a closed path from where the first block begins; an open one as it is."""
+    v = path.vertices
+    if not path.closed:
+        return path
+    first = np.flatnonzero((v["source"] == 0) & (np.roll(v["source"], 1) != 0))
+    return Contour(np.roll(v, -int(first[0])), True, path.sources) if len(first) else path
+
+
+def _lost(
+    outline: Contour, s: seg.Segments, shift: float, paths: list[Contour], closed: bool
+) -> int | None:
     """Return the first row that the path leaves out or cuts at the wrong place; None if none.
 
     The path is the controller's where it runs once along every block, in order, from the normal of
     the first to the normal of the last. An inside radius as large as the offset is a point.
     """
-    if len(paths) != 1 or paths[0].closed:
+    if len(paths) != 1 or paths[0].closed != closed:
         return 0
     v = paths[0].vertices
     block = outline.vertices["source"][:-1]
-    along = v["source"][:-1]
+    along = v["source"] if closed else v["source"][:-1]
     once = along[np.concatenate([[True], np.diff(along) != 0])]
     point = (s.turn * shift > 0) & (np.abs(s.radius - abs(shift)) <= POINT_UM)
     row = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
@@ -248,6 +268,8 @@ def _lost(outline: Contour, s: seg.Segments, shift: float, paths: list[Contour])
         return int(row[off[0]])
     if len(once) != len(row):
         return int(row[same]) if len(row) > same else int(row[-1])
+    if closed:
+        return None
     ux, uy = seg.start_tangents(s)
     wx, wy = seg.end_tangents(s)
     first = np.hypot(v["x"][0] - s.x0[0] + shift * uy[0], v["y"][0] - s.y0[0] - shift * ux[0])

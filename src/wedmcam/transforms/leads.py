@@ -232,7 +232,7 @@ def _started(path: Contour, at: tuple[float, float]) -> Contour:
         ends = np.hypot(v["x"][[0, -1]] - at[0], v["y"][[0, -1]] - at[1])
         return path if ends[0] <= ends[1] else path.reversed()
     s = seg.of_rows(path.starts, path.ends)
-    return _rotated(path, s, *_nearest(s, *at))
+    return rotated(path, s, *_nearest(s, *at))
 
 
 def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
@@ -256,7 +256,7 @@ def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
     return best, float(at[best])
 
 
-def _rotated(path: Contour, s: Segments, row: int, at: float) -> Contour:
+def rotated(path: Contour, s: Segments, row: int, at: float) -> Contour:
     """Return a closed path that starts on segment ``row`` at ``at`` um, split there if need be."""
     v = path.vertices
     n = len(v)
@@ -299,7 +299,7 @@ def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, 
             row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
             if lane.scrap_left is not None and lane.scrap_left == inward:
                 cx, cy = to_grid([s.cx[0], s.cy[0]]).tolist()
-                centred[number] = Led(_rotated(path, s, 0, at), (cx, cy))
+                centred[number] = Led(rotated(path, s, 0, at), (cx, cy))
         else:
             middle_x, middle_y = seg.points_at(s, 0.5 * s.length)
             tied = np.flatnonzero(s.length >= s.length.max() - TIE_UM)
@@ -312,7 +312,7 @@ def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, 
         tx, ty = (float(c[0]) for c in seg.tangents_at(one, np.array([at])))
         left = lane.scrap_left if lane.scrap_left is not None else not inward
         nx, ny = (-ty, tx) if left else (ty, -tx)
-        rays.append((number, _rotated(path, s, row, at), px, py, nx, ny))
+        rays.append((number, rotated(path, s, row, at), px, py, nx, ny))
     if centred:
         blocked = _blocked(scene, centred)
         result |= {k: led for k, led in centred.items() if k not in blocked}
@@ -371,6 +371,11 @@ def _free(
 def _lines(x0: Floats, y0: Floats, x1: Floats, y1: Floats) -> Segments:
     zero = np.zeros(len(x0))
     return seg.make(x0, y0, x1, y1, zero, zero, np.zeros(len(x0), np.int8))
+
+
+def collisions(lanes: Sequence[Lane], led: Sequence[Led]) -> list[Diagnostic]:
+    """Return an error for each lead that meets a path before it arrives; paths are those led to."""
+    return _collisions(_Scene(lanes), led, {})
 
 
 def _collisions(

@@ -2,6 +2,7 @@
 
 ``docs/codes.md``: every diagnostic with an example that was run, from ``tests/bad``; the same
 examples go into the package for ``wedmcam explain``. ``docs/profiles.md``: every key of a profile.
+``docs/probe.md``: what the readings of `profile probe` mean.
 ``tests/unit/test_pages.py`` demands that both are up to date.
 """
 
@@ -269,7 +270,8 @@ def profiles_page() -> str:
         "open: limits, layout, control words. Give it with `--profile NAME` or `--profile",
         "FILE.toml`. `wedmcam profile show NAME` prints one with every value in force, to start",
         "from; `wedmcam profile check FILE.toml` says everything that is wrong with it. A key that",
-        "nobody reads is an error: a misspelt limit would be no limit.",
+        "nobody reads is an error: a misspelt limit would be no limit. Which line table and",
+        "counting a controller has, how its axes lie: [probe.md](probe.md).",
         "",
         "## Built in",
         "",
@@ -305,7 +307,10 @@ def pages() -> tuple[dict[Path, str], list[str]]:
     shown, wrong = examples()
     text = json.dumps(dict(sorted(shown.items())), indent=1, ensure_ascii=False) + "\n"
     docs = ROOT / "docs"
+    from wedmcam.probe.page import page as probe_page
+
     made = {docs / "codes.md": codes_page(shown), docs / "profiles.md": profiles_page()}
+    made[docs / "probe.md"] = probe_page()
     return {EXAMPLES: text, **made}, wrong
 
 

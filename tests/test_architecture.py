@@ -23,6 +23,7 @@ SHELL = {
     "entered",
     "loads",
     "offsets",
+    "probe",
     "several",
 }
 

@@ -86,6 +86,78 @@ def profile_check(file: str, json_: bool) -> int:
     return 0 if machine is not None else 2
 
 
+@profile_group.command("probe", short_help="What controller is this? Programs that tell.")
+@click.option(
+    "-o", "--output", metavar="FILE.3b", help="Write the programs and a sheet to fill in."
+)
+@click.option("--profile", metavar="NAME|FILE", default="b3-compact", show_default=True,
+              help="Layout and control words of the programs.")  # fmt: skip
+@click.option("--read", "read_", metavar="SHEET", help="Tell what a sheet that was filled in says.")
+def profile_probe(output: str | None, profile: str, read_: str | None) -> int:
+    """Small programs to run without a wire, and what their readings say of the controller.
+
+    -o NAME.3b writes NAME.3b, NAME-zeros.3b, NAME-blanks.3b and NAME-end.3b, and the sheet
+    NAME.txt. --read NAME.txt prints the keys of a profile that follow. The page docs/probe.md tells
+    what to do and what the readings mean.
+    """
+    if (output is None) == (read_ is None):
+        raise click.UsageError("give -o FILE.3b, or --read SHEET")
+    return _probe_read(read_) if read_ is not None else _probe_written(str(output), profile)
+
+
+def _probe_written(output: str, profile: str) -> int:
+    from wedmcam import probe
+    from wedmcam.cli import say
+    from wedmcam.cli.files import check_outputs, write_outputs
+    from wedmcam.options import WrongUse
+
+    machine, found, text = _read(profile)
+    say.say_findings(found, profile, text=text)
+    if machine is None:
+        return 2
+    if machine.format != "3b":
+        why = (
+            "an ISO block states where it ends, and its reader goes there"
+            if machine.format == "iso"
+            else "the ZD-065's line table and counting are published: its profiles have them"
+        )
+        raise WrongUse(f"the probe is a program in 3B, not in {machine.format}: {why}")
+    if output == "-" or Path(output).suffix.lower() == ".txt":
+        raise WrongUse("the probe is several files: give -o NAME.3b")
+    stem = Path(output).with_suffix("")
+    names = {
+        part: output if part == "main" else f"{stem}-{part}{Path(output).suffix}"
+        for part in probe.PARTS
+    }
+    files = [(name, probe.text(part, machine)) for part, name in names.items()]
+    files.append((f"{stem}.txt", probe.sheet(names).encode("utf-8")))
+    check_outputs([], [name for name, _ in files])
+    write_outputs(files)
+    for part, name in names.items():
+        box = (v * machine.axes.step_um / 1000 for v in probe.extents(part))
+        x0, y0, x1, y1 = box
+        click.echo(f"{name}  needs x {x0:g} to {x1:g}, y {y0:g} to {y1:g} mm around the start")
+    click.echo(f"{stem}.txt  the sheet: fill it in, then wedmcam profile probe --read {stem}.txt")
+    return 0
+
+
+def _probe_read(name: str) -> int:
+    from wedmcam import probe
+    from wedmcam.cli import say
+    from wedmcam.cli.files import read_input
+
+    text = read_input(name).decode("utf-8", "replace")
+    readings, found = probe.read_sheet(text, name)
+    told, more = probe.answers(readings, name)
+    say.say_findings([*found, *more], name, text=text)
+    if told or readings.moved:
+        click.echo("# Of a profile: start one with `wedmcam profile show b3-compact`.")
+        click.echo(probe.toml(told, readings.moved), nl=False)
+    elif not found and not more:
+        raise click.UsageError(f"{name}: nothing is filled in")
+    return 1 if found or more else 0
+
+
 def _read(name: str) -> tuple[Machine | None, list[Diagnostic], str | None]:
     """Return a profile by name or of a file, what is wrong with it, and the file's text."""
     from wedmcam import machines

@@ -567,6 +567,11 @@ CODES: dict[str, Code] = {
         "The path is the same; a pause, a word or an end that the machine minded is missing.",
         "See to it at the machine, or convert to a text format, which keeps words.",
     ),
+    "probe-reading": Code(
+        "A reading of the probe that cannot be read, or that no known controller gives.",
+        "Nothing can be said of the controller, or only of a part of what was asked.",
+        "Read that stop again; if it stays so, the controller is of a kind that is not known here.",
+    ),
     "other-step": Code(
         "A program that counts steps of one length is to be written for a machine with others.",
         "The numbers would make a part of another size, and no others make the same path.",

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from wedmcam import api
+from wedmcam import api, conversion
 from wedmcam.diag import Severity
 from wedmcam.frontends.dxf import DxfOptions, read
 from wedmcam.transforms.chain import chain
@@ -82,6 +82,15 @@ def test_part(row, folder):
     if then == "on":
         made = api.compile(data, name=row["file"], side="on", **units)
         assert made.ok, [d.message for d in made.findings]
+
+
+@pytest.mark.parametrize("row", [r for r in PARTS if r["compile"] == "offset"], ids=named)
+def test_a_program_of_a_part_becomes_a_part_program(row, folder):
+    data = (folder / row["file"]).read_bytes()
+    made = api.compile(data, name=row["file"], units=row["units"] or None, offset=0.05)
+    assert made.ok
+    came_back = conversion.convert(made.data, to="wed", name="part.3b")
+    assert came_back.ok, [d.message for d in came_back.findings]
 
 
 def test_every_drawing_is_in_the_table(folder):

@@ -463,7 +463,7 @@ def _unended(program: Program, machine: Machine) -> list[Diagnostic]:
     from wedmcam.ir.program import Kind
 
     kinds = program.blocks["kind"]
-    if machine.format not in ("3b", "iso") or ((kinds == Kind.STOP) | (kinds == Kind.END)).any():
+    if machine.binary or ((kinds == Kind.STOP) | (kinds == Kind.END)).any():
         return []
     stop = "M02" if machine.format == "iso" else machine.words.stop
     return [

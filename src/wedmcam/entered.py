@@ -18,6 +18,9 @@ from wedmcam.ir.program import Kind, LineTable, Program
 from wedmcam.machines import Machine
 from wedmcam.options import WrongUse
 
+#: Formats of outlines whose arcs the controller scales by a gap.
+GAPPED = ("compensation", "4b")
+
 
 @dataclass(frozen=True, slots=True)
 class Entered:
@@ -59,10 +62,12 @@ class Entered:
             raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
         if not self.gap_um:
             return
-        if "compensation" not in (source, target):
-            raise WrongUse(f"--gap is for the compensation format, not for {source} to {target}")
-        if source == target:
-            raise WrongUse("--gap would be applied to a compensation file that stays one")
+        if not {source, target} & {*GAPPED}:
+            raise WrongUse(
+                f"--gap is for the compensation format and 4B, not for {source} to {target}"
+            )
+        if {source, target} <= {*GAPPED}:
+            raise WrongUse(f"--gap would be applied to {source} data that stay an outline")
         if self.gap_um != round(self.gap_um) or self.gap_um < 0:
             raise WrongUse(f"--gap is a whole number of um from 0 on, not {self.gap_um:g} um")
 
@@ -82,13 +87,13 @@ class Entered:
         """Return what the reader of a format takes of it."""
         if format_ == "rotation":
             return {"copies": self.copies, "step": self.angle}
-        if format_ == "compensation":
+        if format_ in GAPPED:
             return {"gap_um": round(self.gap_um), "outwards": self.outwards}
         return {}
 
     def write(self, program: Program, machine: Machine) -> dict[str, Any]:
         """Return what the writer of a format takes of it."""
-        if machine.format != "compensation":
+        if not machine.gapped:
             return {}
         more: dict[str, Any] = {"gap_um": round(self.gap_um), "outwards": self.outwards}
         return more | ({"grown": grown(program, machine)} if self.gap_um else {})

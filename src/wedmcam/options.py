@@ -18,9 +18,10 @@ FORMAT_OF_SUFFIX = {
     ".zdr": "rotation",
     ".zdc": "compensation",
     ".nc": "iso",
+    ".4b": "4b",
 }
 SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.items()}
-PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso")
+PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
 SOURCE_FORMATS = ("dxf", "wed")
 ARITHMETICS = ("decimal8", "float64")
 

@@ -313,13 +313,13 @@ def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Op
     from wedmcam.backends import encoder
 
     more = processing(machine, options)
-    if machine.format == "compensation":
+    if machine.gapped:
         from wedmcam.transforms import zd065
 
         if made.parts:
-            raise WrongUse("the compensation format has one gap for all: cuts here have their own")
+            raise WrongUse(f"{machine.format} has one gap for all: cuts here have their own")
 
-        run.add("encode", zd065.corners(made))
+        run.add("encode", zd065.corners(made, "3b" if machine.format == "4b" else "compact"))
         more["grown"] = zd065.grown(made, program)
     if machine.offsets:
         from wedmcam import offsets
@@ -331,11 +331,11 @@ def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Op
 
 def processing(machine: Machine, options: Options) -> dict[str, Any]:
     """Return what the operator enters beside a file: the gap and its side for compensation."""
-    if machine.format != "compensation":
+    if not machine.gapped:
         return {}
     gap = options.offset_um or 0.0
     if abs(gap - round(gap)) > 1e-6:
-        raise WrongUse(f"the gap of the compensation format is whole um, not {gap:g}")
+        raise WrongUse(f"the gap of {machine.format} is whole um, not {gap:g}")
     return {"gap_um": round(gap), "outwards": options.effective_side is not Side.DIE}
 
 
@@ -403,14 +403,15 @@ def prove(
                 "offset to the controller",
             ),
         ]
-    if machine.format == "compensation" and has_errors(found):
+    if machine.gapped and has_errors(found):
         found = [
             *found,
             note(
                 "not-reachable",
                 "the controller scales and rounds the arcs of this format: some gaps come out "
                 "farther from the path than is allowed",
-                hint="another gap by some um, or --to compact",
+                hint="another gap by some um, or --to "
+                + ("3b" if machine.format == "4b" else "compact"),
             ),
         ]
     run.add("verify", found)

@@ -18,8 +18,8 @@ from wedmcam.several import compile_several
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = sorted((ROOT / "samples").glob("*.dxf"))
-#: Formats that hold the path itself. The other two make it of a figure, and are not always exact.
-FORMATS = [f for f in DECODERS if f not in ("rotation", "compensation")]
+#: Formats that hold the path itself. The others make it of a figure, and are not always exact.
+FORMATS = [f for f in DECODERS if f not in ("rotation", "compensation", "4b")]
 
 
 @pytest.mark.parametrize("sample", SAMPLES, ids=lambda p: p.stem)

@@ -14,7 +14,7 @@ B3 = st.text("BGXYLSNRDE0123456789 \n;", max_size=120).map(str.encode)
 ANY = st.one_of(st.binary(max_size=120), ISO, B3)
 
 
-@pytest.mark.parametrize("format_", ["3b", "iso", "compact", "rotation", "compensation"])
+@pytest.mark.parametrize("format_", ["3b", "iso", "compact", "rotation", "compensation", "4b"])
 @settings(max_examples=60, deadline=None)
 @given(data=ANY)
 def test_no_reader_raises(format_, data):
@@ -22,6 +22,26 @@ def test_no_reader_raises(format_, data):
     assert len(program.spans) == len(program.blocks)
     assert all(d.message for d in found)
     identify(data)
+
+
+B4 = st.lists(
+    st.builds(
+        lambda x, y, j, r, d, g, z: f"B{x}B{y}B{j}B{r}{d}{g}{z}",
+        *(st.integers(0, 9000), st.integers(0, 9000), st.integers(0, 30000)),
+        *(st.one_of(st.just(""), st.integers(0, 9000)), st.sampled_from(["", "D", " D D", "DD "])),
+        *(st.sampled_from(["GX", "G Y"]), st.sampled_from(["L1", "L3", "NR1", "SR4", "NR3", "L9"])),
+    )
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(lines=B4, gap=st.integers(0, 5000), outwards=st.booleans(), run=st.booleans())
+def test_4b_records_are_offset_or_refused(lines, gap, outwards, run):
+    text = ("" if run else "\n").join([*lines, "DD"]).encode()
+    program, found = decoder("4b")(text, default("4b"), "any", gap_um=gap, outwards=outwards)
+    assert len(program.spans) == len(program.blocks)
+    assert len(program.blocks) or found
+    assert identify(text).format in ("4b", "unknown", "3b")
 
 
 MOTION = st.builds(

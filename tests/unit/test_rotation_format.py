@@ -204,7 +204,7 @@ def test_memory_holds_455_lines():
 def test_what_a_block_states():
     from wedmcam.frontends.dump import stated
 
-    assert stated(LINE + ARC + b"\0", "rotation") == {
-        0: "heading 30 deg, length 20.000 mm",
-        9: "start 0 deg, R 10.000 mm, sweep 90 deg",
+    assert stated(LINE + ARC + b"\0", M) == {
+        "0x0000": "heading 30 deg, length 20.000 mm",
+        "0x0009": "start 0 deg, R 10.000 mm, sweep 90 deg",
     }

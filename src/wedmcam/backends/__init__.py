@@ -17,6 +17,7 @@ ENCODERS: dict[str, str] = {
     "rotation": "wedmcam.backends.rotation",
     "compensation": "wedmcam.backends.gap",
     "iso": "wedmcam.backends.iso",
+    "4b": "wedmcam.backends.b4",
 }
 
 

@@ -7,6 +7,9 @@ does not fit is refused, and nothing is returned then.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +25,11 @@ _PIECE = 1 << 16
 
 
 def encode(
-    program: Program, machine: Machine, positions: NDArray[np.int64] | None = None
+    program: Program,
+    machine: Machine,
+    positions: NDArray[np.int64] | None = None,
+    *,
+    fourth: Sequence[tuple[int, str]] | None = None,
 ) -> tuple[bytes, list[Diagnostic]]:
     """Return the 3B file of a program, and what was found.
 
@@ -31,6 +38,7 @@ def encode(
         machine: a 3B profile.
         positions: where the machine stands after each block, drawing um, shape (blocks, 2); for
             end coordinates. Left out, the controller is run when they are needed.
+        fourth: for each block a number and letters that stand before G: a 4B file.
 
     Returns:
         The bytes, empty when there is an error.
@@ -84,7 +92,9 @@ def encode(
     for low in range(0, len(order), _PIECE):
         piece = slice(low, low + _PIECE)
         words = {int(i): named[int(i)] for i in order[piece] if int(i) in named}
-        texts = _records(kinds[piece], order[piece], fields, positions, layout, controls, words)
+        texts = _records(
+            kinds[piece], order[piece], fields, positions, layout, controls, words, fourth
+        )
         if layout.number_width:
             numbering = f"N%{layout.number_width}d{layout.after_number}%s"
             texts = [numbering % pair for pair in enumerate(texts, low + 1)]
@@ -231,24 +241,29 @@ def _records(
     layout: Layout,
     controls: dict[int, str],
     words: dict[int, str],
+    fourth: Sequence[tuple[int, str]] | None = None,
 ) -> list[str]:
     """Return the text of each record, without number and line end."""
     gap = layout.between
     number = f"B{layout.after_b}%{layout.width}d"
     digits = f"0{layout.count_digits}" if layout.count_digits > 1 else f"{layout.width}"
-    form = f"{number}{gap}{number}{gap}B{layout.after_b}%{digits}d{gap}G%s{gap}%s"
+    more = f"{gap}{number}{gap}%s" if fourth is not None else ""
+    form = f"{number}{gap}{number}{gap}B{layout.after_b}%{digits}d{more}{gap}G%s{gap}%s"
     cutting = kinds <= Kind.MOVE
     rows = order[cutting]
     x, y, count, axis, code = (f[rows].tolist() for f in fields)
     z = [b3.INSTRUCTIONS[c] for c in code]
     g = ["XY"[a] for a in axis]
+    columns: list[Sequence[Any]] = [x, y, count]
+    if fourth is not None:
+        columns += [[fourth[i][k] for i in rows.tolist()] for k in (0, 1)]
+    columns += [g, z]
     if layout.end_coordinates:
         assert positions is not None
         form += f"{gap};{gap}%.3f{gap},{gap}%.3f"
         ex, ey = (positions[rows] / 1000).T.tolist()
-        made = [form % row for row in zip(x, y, count, g, z, ex, ey, strict=True)]
-    else:
-        made = [form % row for row in zip(x, y, count, g, z, strict=True)]
+        columns += [ex, ey]
+    made = [form % row for row in zip(*columns, strict=True)]
     if cutting.all():
         return made
     texts = iter(made)

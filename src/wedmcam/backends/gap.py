@@ -80,7 +80,7 @@ def encode(
     if checks.failed:
         return b"", found + checks.found
     figure = outline(blocks, gap_um, outwards, sign)
-    figure, lost = _closed(figure, program, gap_um, outwards, LineTable(machine.line_table))
+    figure, lost = closed(figure, program, gap_um, outwards, LineTable(machine.line_table))
     checks.tell(
         Severity.ERROR,
         "not-reachable",
@@ -119,6 +119,7 @@ def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) 
     lx, ly, _ = lines.full(x, y, blocks["axis"], count)
     figure = np.zeros(n, dtype=GAPPED)
     figure["kind"], figure["turn"] = blocks["kind"], np.where(arc, blocks["turn"], 0)
+    figure["axis"] = np.where(arc, blocks["axis"], 0)
     figure["grows"] = np.where(arc, grown * (1 if outwards else -1), 0)
     figure["x"], figure["y"] = np.where(straight, lx, x), np.where(straight, ly, y)
     figure["count"] = np.where(arc, count, 0)
@@ -214,7 +215,7 @@ def _nearest(
     return chosen
 
 
-def _closed(
+def closed(
     figure: NDArray[np.void], program: Program, gap_um: int, outwards: bool, table: LineTable
 ) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
     """Let lines of the contour take up what the arcs before them are off.

@@ -47,8 +47,8 @@ def cli() -> None:
 @click.option(
     "--to",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation, iso, or dxf (the stepped path); by default from the "
-    "output's name. Several (3b,iso): NAME with the ending of each.",
+    help="3b, compact, rotation, compensation, iso, 4b, or dxf (the stepped path); by default from "
+    "the output's name. Several (3b,iso): NAME with the ending of each.",
 )
 @ask.compile_options
 @click.option(
@@ -157,7 +157,7 @@ def compile_command(
 @cli.command("check", cls=Configured, short_help="Everything but writing.")
 @click.argument("input_", metavar="INPUT")
 @click.option(
-    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation or iso."
+    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation, iso or 4b."
 )
 @ask.compile_options
 @ask.said_options
@@ -206,7 +206,7 @@ def _name(path: str) -> str:
 @click.argument("inputs", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR", help="Folder of the programs.")
 @click.option(
-    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation or iso."
+    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation, iso or 4b."
 )
 @click.option("--jobs", type=click.IntRange(0, 256), default=0, help="Processes; 0: one a core.")
 @click.option("--force-units", is_flag=True, help="--units overrides what drawings say.")
@@ -247,7 +247,7 @@ def batch_command(
     "--format",
     "format_",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation, iso; else by name, content.",
+    help="3b, compact, rotation, compensation, iso, 4b; else by name, content.",
 )
 @click.option("--origin", type=POINT, help="Where the program starts in the drawing, X,Y in mm.")
 @click.option(
@@ -534,7 +534,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
 def _is_program(data: bytes) -> bool:
     from wedmcam.frontends.identify import identify
 
-    return identify(data).format in ("3b", "compact", "rotation", "compensation", "iso")
+    return identify(data).format in ("3b", "compact", "rotation", "compensation", "iso", "4b")
 
 
 PICTURES = (".svg", ".png", ".html")
@@ -584,7 +584,7 @@ def identify_command(file: str, json_: bool) -> int:
     "--format",
     "format_",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation, iso; else by name, content.",
+    help="3b, compact, rotation, compensation, iso, 4b; else by name, content.",
 )
 @ask.machine_options
 @ask.d_option
@@ -612,13 +612,13 @@ def dump_command(
     say.say_findings(found, _name(file))
     if program is None:
         return 1
-    said = {f"{at:#06x}": text for at, text in stated(data, used.format).items()}
+    said = stated(data, used)
     if json_:
         rows = dump_rows(program, used)
         say.say_json([{**r, "stated": said[r["where"]]} if r["where"] in said else r for r in rows])
     else:
         for line in dump_lines(program, used):
-            more = said.get(line[7:13], "")
+            more = said.get((line[7:].split() or [""])[0], "")
             click.echo(f"{line}   {more}" if more else line)
     return 1 if has_errors(found) else 0
 

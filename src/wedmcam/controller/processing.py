@@ -24,12 +24,14 @@ Floats = NDArray[np.float64]
 POLAR = np.dtype([("kind", "u1"), ("turn", "i1"), ("start", "f8"), ("size", "i8"), ("sweep", "f8")])
 
 #: One row per block of the compensation format. grows: +1 where the radius grows when the path is
-#: offset outwards (type 0x01), -1 where it shrinks (0x02), 0 for what is no arc. um.
+#: offset outwards (type 0x01), -1 where it shrinks (0x02), 0 for what is no arc. axis: on which J
+#: of an arc is counted. um.
 GAPPED = np.dtype(
     [
         ("kind", "u1"),
         ("turn", "i1"),
         ("grows", "i1"),
+        ("axis", "u1"),
         ("radius", "i8"),
         ("x", "i8"),
         ("y", "i8"),
@@ -146,4 +148,6 @@ def compensated(figure: NDArray[np.void], gap_um: int, outwards: bool = True) ->
         factor = _number(radius + sign * gap_um) / _number(radius)
         for column in (x, y, count):
             column[arc] = _whole(_number(column[arc]) * factor)
-    return np.asarray(_blocks(figure["kind"], figure["turn"], x, y, count))
+    made = np.asarray(_blocks(figure["kind"], figure["turn"], x, y, count))
+    made["axis"][arc] = figure["axis"][arc]
+    return made

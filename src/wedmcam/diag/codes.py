@@ -434,7 +434,7 @@ CODES: dict[str, Code] = {
         "Correct the exponent or the significand; angles are 0 up to 360 degrees.",
     ),
     "bad-type": Code(
-        "The compensation type of an arc is neither 0x01 (convex) nor 0x02 (concave).",
+        "An arc has no compensation type: 0x01 or D (convex), 0x02 or DD (concave).",
         "Nobody knows whether the radius grows or shrinks.",
         "Correct the byte behind the instruction.",
     ),

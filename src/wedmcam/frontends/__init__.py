@@ -16,6 +16,7 @@ DECODERS: dict[str, str] = {
     "rotation": "wedmcam.frontends.rotation",
     "compensation": "wedmcam.frontends.gap",
     "iso": "wedmcam.frontends.iso",
+    "4b": "wedmcam.frontends.b4",
 }
 
 

@@ -408,7 +408,7 @@ def _surroundings(
         "unsupported-4b",
         gaps.four,
         lambda a, b: f"'{excerpt(a, b)}' is a 4B record (its fourth field is the radius)",
-        "write the program as 3B, with the offset computed",
+        "read it as 4B (--format 4b, or a name that ends in .4b); convert makes 3B of it",
     )
     dropped = np.flatnonzero(commented)
     tell(

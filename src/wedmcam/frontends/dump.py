@@ -44,20 +44,23 @@ class Row:
     steps: int
 
 
-def stated(data: bytes, format_: str) -> dict[int, str]:
-    """Return what blocks of the ZD-065's other formats state, by address; empty for the rest.
+def stated(data: bytes, machine: Machine) -> dict[str, str]:
+    """Return what blocks state beyond those of a cutting format, by `Row.where`.
 
-    `dump` shows the cutting blocks that the controller makes of them (without copies, gap 0).
+    Of the ZD-065's other formats and of 4B; empty for the rest. `dump` shows the cutting blocks
+    that the controller makes of them (without copies, gap 0).
     """
-    if format_ == "rotation":
-        from wedmcam.frontends import rotation
+    if machine.format == "4b":
+        from wedmcam.frontends import b4
 
-        return rotation.stated(data)
-    if format_ == "compensation":
-        from wedmcam.frontends import gap
-
-        return gap.stated(data)
-    return {}
+        return b4.stated(data, machine)
+    if machine.format == "rotation":
+        from wedmcam.frontends import rotation as binary
+    elif machine.format == "compensation":
+        from wedmcam.frontends import gap as binary  # type: ignore[no-redef]
+    else:
+        return {}
+    return {f"{at:#06x}": text for at, text in binary.stated(data).items()}
 
 
 def dump(program: Program, machine: Machine) -> Iterator[Row]:

@@ -14,7 +14,7 @@ from wedmcam.controller.processing import GAPPED, compensated
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import gap, quadrants
 from wedmcam.frontends.stream import Stream, mm
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Axis, Kind, LineTable, Program
 from wedmcam.machines import Machine
 
 #: Joints that a gap would tear apart by less than this are tangent enough, um.
@@ -91,7 +91,7 @@ def stated(data: bytes) -> dict[int, str]:
 def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
     s = Stream(data, gap.LENGTH, file)
     figure = np.zeros(len(s.starts), dtype=GAPPED)
-    figure["kind"], figure["turn"] = s.kind, s.turn
+    figure["kind"], figure["turn"], figure["axis"] = s.kind, s.turn, Axis.SQUARE
     types = s.bytes_at(s.arc, 1)
     figure["grows"] = np.select([types == gap.GROWS, types == gap.SHRINKS], [1, -1], 0)
     figure["radius"] = s.column(s.arc, 2, 4)
@@ -157,7 +157,7 @@ def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
     """Refuse joints that the gap would tear apart by more than rounding explains."""
     blocks = compensated(_safe(figure, s), 0)
     cutting = (s.kind == Kind.LINE) | s.arc
-    ax, ay, bx, by, room = _directions(blocks)
+    ax, ay, bx, by, room = directions(blocks)
     following = np.zeros(len(blocks), dtype=bool)
     following[:-1] = cutting[:-1] & cutting[1:] & s.good[:-1] & s.good[1:]
     lead_in = np.zeros(len(blocks), dtype=bool)
@@ -181,7 +181,9 @@ def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
     )
 
 
-def _directions(blocks: NDArray[np.void]) -> tuple[NDArray[np.float64], ...]:
+def directions(
+    blocks: NDArray[np.void], table: LineTable = LineTable.MIRROR
+) -> tuple[NDArray[np.float64], ...]:
     """Return the directions at the end and at the start of blocks, and what rounding does to them.
 
     Returns:
@@ -190,7 +192,7 @@ def _directions(blocks: NDArray[np.void]) -> tuple[NDArray[np.float64], ...]:
     arc = blocks["kind"] == Kind.ARC
     x, y = blocks["x"].astype(float), blocks["y"].astype(float)
     turn = blocks["turn"].astype(float)
-    motion = run(blocks, LineTable.MIRROR)
+    motion = run(blocks, table)
     ex, ey = x + motion.dx, y + motion.dy
     sx, sy = np.where(arc, -turn * y, x), np.where(arc, turn * x, y)
     ex, ey = np.where(arc, -turn * ey, x), np.where(arc, turn * ex, y)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.formats import compact, gap, rotation
+from wedmcam.formats import b4, compact, gap, rotation
 from wedmcam.frontends.compact import addresses
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
@@ -84,7 +84,15 @@ def identify(data: bytes) -> Identification:
         return Identification("dxf", 0, None, None, True, "DXF drawing")
     if is_part(data):
         return Identification("wed", 0, None, None, True, "program of the part language")
-    records = find_records(plain(data).codes)
+    codes = plain(data).codes
+    records = find_records(codes)
+    if (four := b4.fourths(codes)) and len(four) >= len(records.start):
+        last, count = b4.RECORD.match(codes, four[-1].start), len(four)
+        assert last is not None
+        words = "record" if count == 1 else "records"
+        more = f", {len(records.start)} of 3B" if len(records.start) else ""
+        reason = f"4B text: {count} {words}{more}; the controller offsets arcs by a gap"
+        return Identification("4b", count, last.end() - 1, None, True, reason)
     if count := len(records.start):
         words = "record" if count == 1 else "records"
         return Identification(

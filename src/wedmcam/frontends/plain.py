@@ -95,6 +95,11 @@ class TextSpans(Sequence[Span]):
     def __len__(self) -> int:
         return len(self._starts)
 
+    @property
+    def starts(self) -> NDArray[np.int64]:
+        """Where each block starts, in the text of `plain`."""
+        return self._starts
+
     def at(self, offset: int, length: int = 1) -> TextSpan:
         """Return the span of any characters."""
         line = int(np.searchsorted(self._line_ends, offset))

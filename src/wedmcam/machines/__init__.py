@@ -23,6 +23,7 @@ DEFAULTS: dict[str, str] = {
     "rotation": "zd065-rotation",
     "compensation": "zd065-compensation",
     "iso": "iso-um",
+    "4b": "b4-compact",
 }
 
 

@@ -215,6 +215,11 @@ class Machine:
         return self.format == "iso" and self.iso.compensation == "controller"
 
     @property
+    def gapped(self) -> bool:
+        """Whether a program is an outline of which the controller scales the arcs by a gap."""
+        return self.format in ("compensation", "4b")
+
+    @property
     def binary(self) -> bool:
         """Whether its programs are bytes and no text."""
         return self.format in ("compact", "rotation", "compensation")

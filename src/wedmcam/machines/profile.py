@@ -15,7 +15,7 @@ from typing import Any, Literal
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 
-FORMATS = ("3b", "compact", "rotation", "compensation", "iso")
+FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
 _BINARY = FORMATS[1:4]
 _EOL = {"lf": "\n", "crlf": "\r\n", "cr": "\r"}
 _ENCODINGS = ("ascii", "utf-8", "gbk")
@@ -55,7 +55,7 @@ def _pair(value: list[Any]) -> bool:
     return len(value) == 2 and all(type(v) is int and v > 0 for v in value)
 
 
-_B3 = ("3b",)
+_B3 = ("3b", "4b")
 _ISO = ("iso",)
 _READABLE = (*_B3, *_ISO)
 _STEPPED = (*_READABLE, "compact")
@@ -255,10 +255,10 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
                 _place(text, name, "", "words"),
             )
         )
-    if known_format == "3b" and tables["limits"].get("arc_um", 0) > 999_999:
+    if known_format in _B3 and tables["limits"].get("arc_um", 0) > 999_999:
         place = _place(text, name, "limits", "arc_um")
         found.append(
-            error("profile-value", "'limits.arc_um' of a 3B profile is at most 999999", place)
+            error("profile-value", "'limits.arc_um' of a 3B or 4B profile is at most 999999", place)
         )
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")

@@ -27,7 +27,7 @@ def outwards(side: Side) -> bool:
     return side is not Side.DIE
 
 
-def corners(plan: Plan) -> list[Diagnostic]:
+def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
     """Return an error for each joint of a cut outline that is not tangent.
 
     A joint at an angle a tears by offset times a; up to `TORN_UM` is taken for tangent.
@@ -59,7 +59,7 @@ def corners(plan: Plan) -> list[Diagnostic]:
                     f"{place(x, y)} mm; the controller's compensation takes tangent joints only",
                     c.source_of(k),
                     points_mm=((x / 1e3, y / 1e3),),
-                    hint="round the corners (--corner), or --to compact",
+                    hint=f"round the corners (--corner), or --to {instead}",
                 )
             )
     if more:

@@ -1,0 +1,108 @@
+"""Write 4B: the outline in the layout of a 3B profile, with R and D or DD before G.
+
+The controller scales X, Y and J of each arc and rounds. So for each arc of the offset path numbers
+are sought that come out as the arc that was proven, as for the ZD-065's compensation format
+(`backends.gap`); only the counting differs.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.backends import b3
+from wedmcam.backends.fit import Checks
+from wedmcam.backends.gap import closed, outline
+from wedmcam.diag import Diagnostic, Severity
+from wedmcam.formats import b4
+from wedmcam.formats.lengths import mm_of
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.machines import Machine
+
+
+def encode(
+    program: Program,
+    machine: Machine,
+    positions: NDArray[np.int64] | None = None,
+    *,
+    gap_um: int = 0,
+    outwards: bool = True,
+    grown: NDArray[np.integer[Any]] | None = None,
+) -> tuple[bytes, list[Diagnostic]]:
+    """Return the 4B file of which the controller makes this program.
+
+    Args:
+        program: the offset path, blocks as for 3B.
+        machine: a 4B profile.
+        positions: for end coordinates, as in `b3.encode`; they are those of the path.
+        gap_um: that the operator will enter, whole um.
+        outwards: that the operator will choose: True for a punch, False for a die.
+        grown: for each block +1 where the offset made the arc's radius larger, -1 smaller; None for
+            a gap of 0.
+
+    Returns:
+        The bytes, empty when there is an error.
+    """
+    checks = Checks(program)
+    mm = mm_of(machine.axes.step_um)
+    blocks = program.blocks
+    arc = blocks["kind"] == Kind.ARC
+    if grown is None:
+        assert not gap_um
+        grown = np.where(blocks["turn"] < 0, -1, 1)
+    sign = grown.astype(np.int64)
+    radius = np.floor(np.hypot(blocks["x"], blocks["y"]) + 0.5).astype(np.int64)
+    err = Severity.ERROR
+    checks.tell(
+        err,
+        "gap-value",
+        np.full(len(blocks), not 0 <= gap_um <= b4.MOST_GAP_UM),
+        lambda i: f"a gap of {mm(gap_um)}; up to {mm(b4.MOST_GAP_UM)} is taken",
+    )
+    checks.tell(
+        err,
+        "not-tangent",
+        arc & (sign > 0) & (radius - gap_um < 1),
+        lambda i: "the wire goes round a sharp corner of the outline",
+        "round the corners (--corner), or --to 3b",
+    )
+    if checks.failed:
+        return b"", checks.found
+    table = LineTable(machine.line_table)
+    figure = outline(blocks, gap_um, outwards, sign)
+    figure, lost = closed(figure, program, gap_um, outwards, table)
+    checks.tell(
+        err,
+        "not-reachable",
+        lost,
+        lambda i: (
+            f"the contour cannot end where it started with a gap of {mm(gap_um)}: no line follows "
+            "its arcs to take up what scaling rounds off"
+        ),
+        "another gap by some um, or --to 3b",
+    )
+    if checks.failed:
+        return b"", checks.found
+    drawn = blocks.copy()
+    moved = figure["kind"] <= Kind.MOVE
+    straight = moved & ~arc
+    for name in ("x", "y"):
+        drawn[name][moved] = figure[name][moved]
+    drawn["count"][arc] = figure["count"][arc]
+    longer = np.maximum(np.abs(drawn["x"]), np.abs(drawn["y"]))
+    changed = straight & ((drawn["x"] != blocks["x"]) | (drawn["y"] != blocks["y"]))
+    drawn["count"][changed] = longer[changed]
+    wide = np.abs(drawn["x"]) > np.abs(drawn["y"])
+    drawn["axis"][changed] = np.where(wide, 0, 1)[changed]
+    letters = np.where(figure["grows"] > 0, b4.GROWS, b4.SHRINKS)
+    fourth = [
+        (r, d if a else "")
+        for r, d, a in zip(
+            np.where(arc, figure["radius"], 0).tolist(), letters.tolist(), arc.tolist(), strict=True
+        )
+    ]
+    other = Program(drawn, program.origin, program.sources, program.spans, program.words)
+    data, found = b3.encode(other, machine, positions, fourth=fourth)
+    return data, [*checks.found, *found]

@@ -1,0 +1,193 @@
+"""Read 4B: the outline as it stands there, and the cutting program that a gap makes of it.
+
+What a 4B record holds beyond 3B is taken out and the rest is read as 3B, so every layout and every
+repair is that of `frontends.b3`. Then arcs are scaled as the controller does (`formats.b4`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.controller.processing import GAPPED, compensated
+from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.formats import b4
+from wedmcam.formats.lengths import mm_of
+from wedmcam.formats.listing import listed
+from wedmcam.frontends import b3
+from wedmcam.frontends.gap import TORN_UM, directions
+from wedmcam.frontends.plain import TextSpans, plain
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.machines import Machine
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+def decode(
+    data: bytes, machine: Machine, file: str, gap_um: float = 0, outwards: bool = True
+) -> tuple[Program, list[Diagnostic]]:
+    """Return the cutting program that the controller makes of a 4B file.
+
+    Args:
+        data: any bytes; never raises.
+        machine: a 4B profile.
+        file: name for the spans.
+        gap_um: as entered at the controller, whole um; 0 gives the outline.
+        outwards: True for a punch, False for a die.
+
+    Refused with a gap: arcs without R or without D or DD, R - gap not above 0, and joints that are
+    not tangent; the first and the last line between two controls may be leads and are not asked.
+    """
+    program, figure, found = _fields(data, machine, file)
+    blocks = program.blocks
+    if has_errors(found):
+        return program, found
+    tell = _Teller(program, found)
+    arc = blocks["kind"] == Kind.ARC
+    mm = mm_of(machine.axes.step_um)
+    radius = np.hypot(blocks["x"], blocks["y"])
+    stated, grows = figure["radius"], figure["grows"].astype(np.int64)
+    tell(
+        Severity.WARNING,
+        "radius-contradicts",
+        arc & (stated > 0) & (np.abs(radius - stated) > 2 + 0.01 * radius),
+        lambda i: f"R is {mm(int(stated[i]))}, but the arc starts {mm(radius[i])} from its centre",
+    )
+    whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= b4.MOST_GAP_UM else 0
+    if whole != gap_um:
+        what = f"a gap of {gap_um:g} um; whole um from 0 to {b4.MOST_GAP_UM} are taken"
+        tell(Severity.ERROR, "gap-value", np.arange(len(blocks)) == 0, lambda i: what)
+    if not whole or tell.failed:
+        return program, tell.found
+    err = Severity.ERROR
+    tell(
+        err,
+        "bad-type",
+        arc & ((grows == 0) | (stated < 1)),
+        lambda i: "an arc without R, or without D or DD: it cannot be offset",
+        "write B R and D (convex) or DD (concave) before G",
+    )
+    after = stated + grows * (1 if outwards else -1) * whole
+    tell(
+        err,
+        "gap-value",
+        arc & (after <= 0),
+        lambda i: (
+            f"the radius {mm(int(stated[i]))} is not larger than the gap {mm(whole)} by which it "
+            "shrinks"
+        ),
+    )
+    angle, allowed, joint = _joints(blocks, whole, LineTable(machine.line_table))
+    tell(
+        err,
+        "not-tangent",
+        joint & (angle > allowed),
+        lambda i: f"it meets the next block at an angle of {np.degrees(angle[i]):.3f} degrees",
+        "round the corner, or write the offset path: --to 3b",
+    )
+    if tell.failed:
+        return program, tell.found
+    made = blocks.copy()
+    scaled = compensated(figure, whole, outwards)
+    for name in ("x", "y", "count"):
+        made[name][arc] = scaled[name][arc]
+    tell(
+        err,
+        "zero-count",
+        arc & ((made["count"] < 1) | (made["x"] ** 2 + made["y"] ** 2 < 2)),
+        lambda i: "the gap leaves nothing of this arc",
+    )
+    return Program(made, spans=program.spans, words=program.words), tell.found
+
+
+class _Teller:
+    """Collects findings about the blocks of a program."""
+
+    def __init__(self, program: Program, found: list[Diagnostic]) -> None:
+        self.program, self.found, self.failed = program, list(found), False
+
+    def __call__(
+        self,
+        severity: Severity,
+        code: str,
+        mask: Bools,
+        message: Callable[[int], str],
+        hint: str | None = None,
+    ) -> None:
+        where = np.flatnonzero(mask)
+        spans = self.program.spans
+        self.found += (
+            d for _, d in listed(severity, code, where, spans.__getitem__, message, hint)
+        )
+        self.failed |= severity is Severity.ERROR and len(where) > 0
+
+
+def _fields(
+    data: bytes, machine: Machine, file: str
+) -> tuple[Program, NDArray[np.void], list[Diagnostic]]:
+    """Return the outline as 3B blocks, the same with R and type (dtype `GAPPED`), and findings."""
+    codes = plain(data).codes
+    fourths = b4.fourths(codes)
+    text = bytearray(codes)
+    for f in fourths:
+        text[f.low : f.high] = b" " * (f.high - f.low)
+    program, found = b3.decode(bytes(text), machine, file)
+    found = [_of_4b(d) for d in found]
+    blocks = program.blocks
+    figure = np.zeros(len(blocks), GAPPED)
+    for name in ("kind", "turn", "axis", "x", "y", "count"):
+        figure[name] = blocks[name]
+    if fourths and isinstance(program.spans, TextSpans):
+        starts = np.array([f.start for f in fourths], np.int64)
+        at = np.minimum(np.searchsorted(starts, program.spans.starts), len(starts) - 1)
+        mine = starts[at] == program.spans.starts
+        figure["radius"][mine] = np.array([f.radius for f in fourths])[at[mine]]
+        figure["grows"][mine] = np.array([f.grows for f in fourths])[at[mine]]
+    return program, figure, found
+
+
+def _of_4b(d: Diagnostic) -> Diagnostic:
+    """Return what the 3B reader found, said of a 4B record: one B too many is no 4B there."""
+    if d.code != "unsupported-4b":
+        return d
+    what = "a record with more than the four B of B X B Y B J B R D|DD G Z"
+    return replace(d, code="bad-record", message=what, hint=None)
+
+
+def _joints(
+    blocks: NDArray[np.void], gap_um: int, table: LineTable
+) -> tuple[NDArray[np.float64], NDArray[np.float64], Bools]:
+    """Return the angle at the end of each block, what rounding explains, and whether it counts."""
+    cutting = blocks["kind"] <= Kind.ARC
+    ax, ay, bx, by, room = directions(blocks, table)
+    joint = np.zeros(len(blocks), bool)
+    joint[:-1] = cutting[:-1] & cutting[1:]
+    first, last = np.ones(len(blocks), bool), np.ones(len(blocks), bool)
+    first[1:], last[:-1] = ~cutting[:-1], ~cutting[1:]
+    line = blocks["kind"] == Kind.LINE
+    after = np.minimum(np.arange(len(blocks)) + 1, len(blocks) - 1)
+    joint &= ~(first & line) & ~(last & line)[after]
+    angle = np.abs(np.arctan2(ax * by[after] - ay * bx[after], ax * bx[after] + ay * by[after]))
+    return angle, TORN_UM / gap_um + room + room[after], joint
+
+
+def stated(data: bytes, machine: Machine) -> dict[str, str]:
+    """Return what each arc states beside the fields of 3B, for people, by line:column.
+
+    >>> from wedmcam.machines import default
+    >>> stated(b"B9900B0B39600B9900DDGYNR1", default("4b"))
+    {'1:1': 'R 9.900 mm, shrinks outwards'}
+    """
+    program, figure, _ = _fields(data, machine, "")
+    words = {1: "grows outwards", -1: "shrinks outwards", 0: "no type"}
+    mm = mm_of(machine.axes.step_um)
+    out = {}
+    for i in np.flatnonzero(figure["kind"] == Kind.ARC).tolist():
+        span = program.spans[i]
+        place = f"{getattr(span, 'line', 0)}:{getattr(span, 'column', 0)}"
+        out[place] = f"R {mm(int(figure['radius'][i]))}, {words[int(figure['grows'][i])]}"
+    return out

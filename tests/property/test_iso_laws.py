@@ -1,8 +1,10 @@
 """Laws of ISO programs: what is written is read as the same steps, in every profile."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -107,8 +109,34 @@ def test_forged_programs_are_refused(old, new):
 
 
 def test_turns_are_parted():
-    """ISO states where an arc ends, once; two turns and a half are three blocks."""
+    """ISO states where an arc ends, once; two turns in halves and a half are five blocks."""
     made = conversion.convert(b"B2100B0B21000GYNR1 DD", to="iso", format="3b")
     assert made.ok, made.findings
     assert made.difference.largest_um == 0
-    assert int((made.made.blocks["turn"] == 1).sum()) == 3
+    assert int((made.made.blocks["turn"] == 1).sum()) == 5
+
+
+@pytest.mark.parametrize("sense", ["NR", "SR"])
+@pytest.mark.parametrize("start", [(1, 0), (0, 1), (-1, 0), (0, -1), (3, 4), (-4, 3), (-3, -4)])
+@pytest.mark.parametrize("size", [2, 10, 20_003])
+@pytest.mark.parametrize("name", ["iso-um", "iso-mm"])
+def test_full_circles_are_two_halves_of_the_same_steps(sense, start, size, name):
+    x, y = (size * v for v in start)
+    quarter = {(1, 0): 1, (0, 1): 2, (-1, 0): 3, (0, -1): 4, (3, 4): 1, (-4, 3): 2, (-3, -4): 3}
+    digit = quarter[start]
+    if sense == "SR" and 0 in start:
+        digit = {1: 4, 2: 1, 3: 2, 4: 3}[digit]
+    turn = 4 * round(float(np.hypot(x, y)))
+    circle = f"B{abs(x)}B{abs(y)}B{turn}GY{sense}{digit} DD".encode()
+    if abs(x) <= abs(y):  # counted on the axis of the last step
+        circle = circle.replace(b"GY", b"GX")
+    halves = conversion.convert(circle, to="iso", format="3b", profile=name)
+    assert halves.ok, halves.findings
+    assert halves.difference.largest_um == 0
+    assert halves.data.count(b"I") == 2
+    whole = replace(builtin(name), iso=replace(builtin(name).iso, full_circle="one"))
+    one = conversion.convert(circle, to="iso", format="3b", profile=whole)
+    assert one.ok
+    assert one.data.count(b"I") == 1
+    told, _ = api.diff(halves.data, one.data, names=("a.nc", "b.nc"))
+    assert told.largest_um == 0

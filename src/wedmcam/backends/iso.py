@@ -178,6 +178,30 @@ def _number(how: Iso, value: int) -> str:
     return f"{sign}{f'{size // 10**n}.{size % 10**n:0{n}d}':0>{max(how.width, 1)}}"
 
 
+def _arc(how: Iso, end: list[int], centre: list[int], halves: bool) -> list[list[str]]:
+    """Return the coordinates of an arc, or of both halves of a full circle.
+
+    Args:
+        how: the dialect.
+        end: as it is written, of the whole arc.
+        centre: relative to the start.
+        halves: it is a full circle that is written in two.
+
+    >>> _arc(Iso(), [0, 0], [-9, 4], True)
+    [['X-18', 'Y8', 'I-9', 'J4'], ['X18', 'Y-8', 'I9', 'J-4']]
+    """
+    arcs = [(end, centre)]
+    if halves:
+        there = [2 * c for c in centre]
+        back = [-v for v in there] if how.coordinates == "incremental" else end
+        if how.coordinates == "absolute":
+            there = [e + v for e, v in zip(end, there, strict=True)]
+        arcs = [(there, centre), (back, [-c for c in centre])]
+    return [
+        [f"{k}{_number(how, v)}" for k, v in zip("XYIJ", [*to, *c], strict=True)] for to, c in arcs
+    ]
+
+
 def _rows(  # type: ignore[no-untyped-def]
     program: Program,
     kinds: NDArray[np.uint8],
@@ -210,12 +234,12 @@ def _rows(  # type: ignore[no-untyped-def]
         (-blocks["y"] * per).tolist(),
         strict=True,
     )
+    whole = (motion.dx == 0) & (motion.dy == 0) & (how.full_circle == "halves")
     ended = False
     for i, (kind, turn, x, y, cx, cy) in enumerate(columns):
         if kind == Kind.ARC:
-            words = [codes[3 if turn > 0 else 2], f"X{_number(how, x)}", f"Y{_number(how, y)}"]
-            words += [f"I{_number(how, cx)}", f"J{_number(how, cy)}"]
-            rows.append(sep.join(words))
+            code = codes[3 if turn > 0 else 2]
+            rows += [sep.join([code, *w]) for w in _arc(how, [x, y], [cx, cy], whole[i])]
         elif kind <= Kind.MOVE:
             code = codes[0 if kind == Kind.MOVE and how.rapid else 1]
             rows.append(sep.join([code, f"X{_number(how, x)}", f"Y{_number(how, y)}"]))

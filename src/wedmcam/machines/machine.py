@@ -95,6 +95,9 @@ class Iso:
         decimals: digits behind the point with ``unit`` mm.
         compensation: ``computed``: the path of the wire is written (G40); ``controller``: the
             outline is, with G41 or G42, and the offset is entered at the controller.
+        full_circle: ``halves``: a full circle is two arcs of half a turn; ``one``: it is one, which
+            ends where it starts. Some controllers take such an arc for none, or for a turn or none
+            as the place falls. Of paths of the wire; an outline in G41 or G42 keeps its circle.
         d: number of the first offset in the controller's table; a program with several offsets
             takes the next ones too.
     """
@@ -109,6 +112,7 @@ class Iso:
     between: str = " "
     decimals: int = 3
     compensation: str = "computed"
+    full_circle: str = "halves"
     d: int = 1
 
 

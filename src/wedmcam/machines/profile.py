@@ -131,6 +131,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "width": _whole(1, 12, formats=_ISO),
         "decimals": _whole(3, 5, formats=_ISO),
         "compensation": _choice("computed", "controller", formats=_ISO),
+        "full_circle": _choice("halves", "one", formats=_ISO),
         "d": _whole(0, 999, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },

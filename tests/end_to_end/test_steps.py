@@ -262,3 +262,15 @@ def test_formats_that_compute_in_um_know_no_step():
         assert [d.code for d in found] == ["profile-key"]
     machine, _ = parse(SHOP + "[axes]\nstep_um = 2\n", "t.toml")
     assert machine.axes.step_um == 2.0
+
+
+def test_dump_says_what_its_numbers_are():
+    from wedmcam.cli.tables import dump_lines
+
+    machine = stepping("b3-compact", 0.5)
+    made = wedmcam.compile(L, offset=0.1, profile=machine)
+    lines = list(dump_lines(made.program, machine))
+    assert lines[0] == "X, Y and J are steps of 0.5 um, ends are um"
+    assert lines[1].startswith("block")
+    _, ends = api.positions(made.program, machine)
+    assert [float(v) for v in lines[2].split()[-2:]] == ends[0].tolist()

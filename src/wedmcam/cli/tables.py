@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -40,10 +40,12 @@ def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
     """Yield the blocks of a program as a table."""
     from wedmcam.frontends.dump import dump
 
-    if machine.axes.said:
-        yield f"axes: {machine.axes.said}; Z, X, Y, G and ends are told as the drawing has them"
-    if machine.axes.step_um != 1:
-        yield "X, Y and J are steps, ends are um"
+    axes = machine.axes
+    if not axes.plain:
+        turned = replace(axes, step_um=1.0).said
+        yield f"axes: {turned}; Z, X, Y, G and ends are told as the drawing has them"
+    if axes.step_um != 1:
+        yield f"X, Y and J are steps of {axes.step_um:g} um, ends are um"
     yield "block  where    kind   Z          X          Y  G            J      end x      end y"
     for r in dump(program, machine):
         if r.count is None:

@@ -160,13 +160,13 @@ def test_travel_is_along_the_axes_of_the_machine():
         ]
 
 
-@pytest.mark.parametrize("name", ["zd065-rotation", "zd065-compensation"])
+@pytest.mark.parametrize("name", ["zd065-rotation", "zd065-compensation", "b4-compact"])
 @pytest.mark.parametrize("way", WAYS)
-def test_figures_of_the_zd065(name, way):
-    """Rotation and compensation data go the same way: what they make is the image too."""
+def test_what_the_controller_computes(name, way):
+    """Rotation, compensation and 4B data go the same way: what they make is the image too."""
     machine = oriented(name, way)
-    more = {"corner": 1.0} if name == "zd065-compensation" else {}
-    part = SAMPLES / "cam.dxf" if name == "zd065-compensation" else L
+    more = {} if name == "zd065-rotation" else {"corner": 1.0}
+    part = SAMPLES / "cam.dxf" if more else L
     made = wedmcam.compile(part, offset=0.1, profile=machine, **more)
     assert made.ok, made.findings
     plain = wedmcam.compile(part, offset=0.1, profile=builtin(name), **more)

@@ -17,7 +17,8 @@ from wedmcam.options import Options
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = sorted(p.name for p in (ROOT / "tests/golden").iterdir() if p.suffix != ".py")
-GOLDEN = [n for n in GOLDEN if n.endswith((".3b", ".zd", ".nc"))]
+# Outlines with G41 are paths only with a table of offsets, which a name does not bring.
+GOLDEN = [n for n in GOLDEN if n.endswith((".3b", ".zd", ".nc")) and ".g41" not in n]
 
 
 def again(data: bytes, name: str, **more):

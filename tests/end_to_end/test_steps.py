@@ -256,7 +256,7 @@ def test_wrong_steps_are_refused(value):
 def test_formats_that_compute_in_um_know_no_step():
     from wedmcam.machines import parse, text
 
-    for name in ("zd065-rotation", "zd065-compensation"):
+    for name in ("zd065-rotation", "zd065-compensation", "b4-compact"):
         machine, found = parse(text(name) + "[axes]\nstep_um = 2\n", "t.toml")
         assert machine is None
         assert [d.code for d in found] == ["profile-key"]

@@ -58,7 +58,7 @@ def _pair(value: list[Any]) -> bool:
 _B3 = ("3b", "4b")
 _ISO = ("iso",)
 _READABLE = (*_B3, *_ISO)
-_STEPPED = (*_READABLE, "compact")
+_STEPPED = ("3b", "iso", "compact")
 _TEXT = _Key(str, "text of one line", lambda v: v != "" and "\n" not in v, required=True)
 _BLANKS = _Key(str, "blanks or nothing", _blanks, formats=_B3)
 _WORD = _Key(
@@ -98,7 +98,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "exchange": _FLAG,
         "mirror_x": _FLAG,
         "mirror_y": _FLAG,
-        # The figures of the ZD-065's other formats are rounded by the controller itself, in um.
+        # With the others the controller computes, in um: gaps, rotations.
         "step_um": _Key(
             float, "a number of um, 0.01 to 100", lambda v: 0.01 <= v <= 100, formats=_STEPPED
         ),

@@ -121,7 +121,8 @@ def page() -> str:
         lines.append(f"| `{part}` | {len(b)} | {steps} | x {x0:g} to {x1:g}, y {y0:g} to {y1:g} |")
     lines += [
         "",
-        "A mm around the programmed path is in these, for controllers that go beside it.",
+        "A mm around the programmed path is in these, for controllers that go beside it. They are",
+        "mm of the display: where a pulse moves the machine by 10 um it goes ten times as far.",
         "",
         "## What the readings mean",
         "",

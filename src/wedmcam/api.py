@@ -74,6 +74,7 @@ def compile(
     name: str | None = None,
     output_name: str = "",
     options: Options | None = None,
+    starts_of: Machine | None = None,
     **mm: Any,
 ) -> Compilation:
     """Compile a drawing and prove the program.
@@ -85,6 +86,7 @@ def compile(
         name: of the source in findings and certificate; the path by default.
         output_name: of the program in the certificate.
         options: everything else, in um.
+        starts_of: contours start where they do for this machine: programs of several are one path.
         **mm: instead of ``options``, its fields in mm: offset=0.1, side="die", starts=[(0, 0)].
 
     Raises:
@@ -106,7 +108,10 @@ def compile(
     stage = ""
     try:
         drawn = pipeline.read(data, name, options, run)
-        plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
+        plan = pipeline.plan(drawn, options, run)
+        if starts_of is not None:
+            plan = run("leads", offsets.started(plan, starts_of))
+        plan = pipeline.part_of(plan, machine, options, run)
         options = offsets.entered(plan, machine, options)
         lowered = pipeline.lower(plan, machine, options, run)
         out = pipeline.encode(lowered, machine, run, plan, options)

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 #: How often other places of the grid are tried where the path would stray too far.
 ROUNDS = 12
 
+#: What was chosen for a motion: a row of `transforms.outlines.Written.chosen`.
+Choice = tuple[int, int, int, int]
 #: Pairs of a D number and its offset, um.
 Given = Iterable[tuple[int, float]]
 
@@ -107,11 +109,8 @@ def encode(
     Raises:
         WrongUse: for what such a controller has no words.
     """
-    from wedmcam.backends.axes import outlines_to_controller, to_controller
+    from wedmcam.backends.axes import to_controller
     from wedmcam.backends.fit import travel
-    from wedmcam.backends.iso import encode_outlines
-    from wedmcam.source_map import block_ends
-    from wedmcam.transforms import outlines
 
     if machine.axes.step_um != 1:
         raise WrongUse(
@@ -122,45 +121,75 @@ def encode(
         raise WrongUse("--convex sharp is not what the controller makes of corners: leave it out")
     if any(cut.overcut_um for cut in plan.cuts):
         raise WrongUse("--overcut runs back in the kerf, where G41 and G42 change sides")
-    grid = grid_of(machine)
-    table = numbers(plan, machine)
-    _, ends = block_ends(lowered, machine)
     found = travel(to_controller(lowered, machine.axes), machine)
     if has_errors(found):
         return b"", found
-    bad: list[tuple[int, int, int, int]] = []
-    best: tuple[int, bytes, list[Diagnostic]] | None = None
-    for _ in range(ROUNDS):
-        made, more = outlines.written(plan, lowered, ends, grid, table, bad)
-        if made is None:
-            return b"", [*found, *more]
-        data, more = encode_outlines(
-            *outlines_to_controller(made.programmed, made.ends, machine.axes), machine
+    table = numbers(plan, machine)
+    writer = _Writer(lowered, machine, table)
+    data, more, strays = writer.tried(plan, [])
+    if strays:
+        kept: list[Choice] = []
+        for n in sorted({choice[0] for choice in strays}):
+            kept += writer.settled(plan, n, [c for c in strays if c[0] == n])
+        data, more, _ = writer.tried(plan, kept)
+    return data, [*found, *more]
+
+
+class _Writer:
+    """Outlines as bytes, and along which of their motions the wire would stray too far.
+
+    Rounding twice, of the outline and of the path, may be too much where each alone is not. So a
+    program is looked at as it will be judged, and other places of the grid are tried where it
+    strays, contour by contour. It is judged again all the same.
+    """
+
+    def __init__(self, lowered: Program, machine: Machine, table: dict[int, float]) -> None:
+        from wedmcam.source_map import block_ends
+
+        self.lowered, self.machine, self.table = lowered, machine, table
+        self.ends = block_ends(lowered, machine)[1]
+        self.grid = grid_of(machine)
+
+    def tried(
+        self, plan: Plan, not_again: list[Choice]
+    ) -> tuple[bytes, list[Diagnostic], list[Choice]]:
+        """Return the bytes (empty where there are errors), findings, and what strays."""
+        from wedmcam.backends.axes import outlines_to_controller
+        from wedmcam.backends.iso import encode_outlines
+        from wedmcam.transforms import outlines
+
+        made, found = outlines.written(
+            plan, self.lowered, self.ends, self.grid, self.table, not_again
         )
-        again = _strays(data, made, plan, lowered, machine, table)
-        if best is None or len(again) < best[0]:
-            best = len(again), data, more
-        if not again or set(again) <= set(bad):
-            break
-        bad += again
-    assert best is not None
-    return best[1], [*found, *best[2]]
+        if made is None:
+            return b"", found, []
+        written, ends = outlines_to_controller(made.programmed, made.ends, self.machine.axes)
+        data, found = encode_outlines(written, ends, self.machine)
+        return data, found, _strays(data, made, plan, self.machine, self.table)
+
+    def settled(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:
+        """Return what must not be chosen for one contour, that it strays nowhere or least."""
+        from wedmcam.transforms.outlines import offset_of
+
+        cut = plan.cuts[number]
+        alone = replace(plan, cuts=(cut,), offset_um=offset_of(plan, cut), partial=True, parts=())
+        bad = [(0, *choice[1:]) for choice in strays]
+        best, least = bad, len(strays) + 1
+        for _ in range(ROUNDS):
+            _, _, again = self.tried(alone, bad)
+            if len(again) < least:
+                best, least = list(bad), len(again)
+            new = [choice for choice in again if choice not in bad]
+            if not new:
+                break
+            bad = [*bad, *new]
+        return [(number, *choice[1:]) for choice in best]
 
 
 def _strays(
-    data: bytes,
-    made: Written,
-    plan: Plan,
-    lowered: Program,
-    machine: Machine,
-    table: dict[int, float],
-) -> list[tuple[int, int, int, int]]:
-    """Return what was chosen for the motions along which the wire would stray too far.
-
-    Rounding twice, of the outline and of the path, may be too much where each alone is not. Here
-    the program is looked at as it will be judged, so that other places of the grid may be tried;
-    it is judged again all the same.
-    """
+    data: bytes, made: Written, plan: Plan, machine: Machine, table: dict[int, float]
+) -> list[Choice]:
+    """Return what was chosen for the motions along which the wire would stray too far."""
     from wedmcam.frontends.iso import read
     from wedmcam.judge.judge import judge
 
@@ -173,7 +202,7 @@ def _strays(
         for span, mark in zip(outline.program.spans, outline.mark.tolist(), strict=True)
         if mark >= 0 and isinstance(span, TextSpan)
     }
-    placed = replace(program, origin=lowered.origin)
+    placed = replace(program, origin=plan.cuts[0].thread)
     verdict, found = judge(placed, plan, table=LineTable(machine.table), limits=machine.limits)
     if not has_errors(found):
         return []

@@ -81,9 +81,16 @@ def compile_several(
 
     made: list[Compilation] = []
     names = list(output_names) or [""] * len(machines)
+    # Where a controller offsets outlines by itself it is particular about where they start.
+    starts = next((m for m in machines if m.offsets), None)
     for machine, output in zip(shared(machines), names, strict=True):
         one = api.compile(
-            source, profile=machine, name=name, output_name=output, options=options or Options()
+            source,
+            profile=machine,
+            name=name,
+            output_name=output,
+            options=options or Options(),
+            starts_of=starts,
         )
         made.append(one)
         if not one.ok:

@@ -104,3 +104,20 @@ def test_wrong_use(more, said, tmp_path):
 
 def test_suffixes_tell_formats():
     assert set(SUFFIX_OF_FORMAT) == set(DECODERS)
+
+
+@pytest.mark.parametrize(
+    "name", ["plate", "key-punch", "bracket-inch", "cam", "damaged", "gear-24"]
+)
+def test_the_controllers_own_path_is_the_same_too(name):
+    """Outlines start elsewhere for a controller that offsets them; then all programs do."""
+    from wedmcam.api import options_in_mm
+    from wedmcam.machines import builtin
+
+    options = {"offset": 0.1} | ({"units": "mm"} if name == "damaged" else {})
+    machines = [default("3b"), builtin("iso-g41-mm")]
+    made = compile_several(
+        ROOT / "samples" / f"{name}.dxf", machines, options=options_in_mm(**options)
+    )
+    assert made.ok, made.findings
+    assert max(made.apart_um) <= 1.0

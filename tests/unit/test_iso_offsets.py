@@ -244,3 +244,32 @@ def test_the_library_takes_the_table():
     assert apart.equal
     with pytest.raises(WrongUse, match="--d is for ISO"):
         conversion.convert(made.data, to="iso", name="x.3b", entered=Entered(d=((1, 100.0),)))
+
+
+def test_identify_tells_the_numbers():
+    from wedmcam.frontends.identify import identify
+
+    assert identify(SLOT.encode()).reason.endswith(
+        "the controller offsets outlines (G41, G42) by its table: D1"
+    )
+
+
+def test_settings_take_the_table(tmp_path):
+    import subprocess
+    import sys
+
+    (tmp_path / "slot.nc").write_text(SLOT)
+    (tmp_path / "wedmcam.toml").write_text('d = ["1=0.1mm", "2=90um"]\n')
+    done = subprocess.run(
+        [sys.executable, "-m", "wedmcam", "verify", "slot.nc"],
+        cwd=tmp_path, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "9 blocks" in done.stderr
+    (tmp_path / "wedmcam.toml").write_text('d = ["2=90um"]\n')
+    done = subprocess.run(
+        [sys.executable, "-m", "wedmcam", "verify", "slot.nc"],
+        cwd=tmp_path, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "no offset was given for D1" in done.stderr

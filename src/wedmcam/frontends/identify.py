@@ -143,6 +143,10 @@ def _iso(data: bytes) -> Identification | None:
     reason = f"ISO G-code: {motions} {words} with a motion" + (
         "" if bad is None else f", {wrong} other"
     )
+    if re.search(rb"G *4[12](?!\d)", codes):
+        numbers = sorted({int(n) for n in re.findall(rb"D *(\d{1,6})", codes)})
+        given = ", ".join(f"D{n}" for n in numbers) or "no D"
+        reason += f"; the controller offsets outlines (G41, G42) by its table: {given}"
     return Identification("iso", motions, last, bad, bad is None, reason)
 
 

@@ -46,6 +46,8 @@ NEAR_UM = 0.02
 NINE = np.array([(0, 0), *((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)])
 #: A stray into the part counts so much more than one away from it: 1.6 um and 2.0 are allowed.
 INTO_PART = 1.25
+#: Arcs whose candidates are looked at together: so much memory.
+AT_ONCE = 500
 #: What a pair of candidates costs more that turned out badly.
 BANNED = 10.0
 #: Centres that are tried beside the nearest on the grid.
@@ -97,11 +99,11 @@ class Written:
 
 def numbers(plan: Plan, first: int) -> dict[int, float]:
     """Return D number -> offset, um: one for each offset of the plan, from ``first`` on."""
-    offsets = list(dict.fromkeys(o for o in (_offset(plan, c) for c in plan.cuts) if o > 0))
+    offsets = list(dict.fromkeys(o for o in (offset_of(plan, c) for c in plan.cuts) if o > 0))
     return {first + k: offset for k, offset in enumerate(offsets)}
 
 
-def _offset(plan: Plan, cut: Cut) -> float:
+def offset_of(plan: Plan, cut: Cut) -> float:
     """Return how far a path runs beside its outline, um: every vertex of it does."""
     known = {0.0, *(kind.offset_um for kind in plan.kinds if kind.side is not Side.ON)}
     if cut.outline is None:
@@ -124,11 +126,11 @@ def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
     last: both are one place only inside a segment, or where two are tangent. They are one micron
     only where the segment passes a place of the grid, so the start moves along to such a place.
     """
-    moved = [_restarted(cut, _offset(plan, cut), grid) for cut in plan.cuts]
+    moved = [_restarted(cut, offset_of(plan, cut), grid) for cut in plan.cuts]
     if all(a is b for a, b in zip(moved, plan.cuts, strict=True)):
         return plan, []
     lanes = [
-        Lane(c.path, c.outline or c.path, None, _offset(plan, c), k) for k, c in enumerate(moved)
+        Lane(c.path, c.outline or c.path, None, offset_of(plan, c), k) for k, c in enumerate(moved)
     ]
     led = [Led(c.path, c.thread) for c in moved]
     found = leads.collisions(lanes, led)
@@ -175,6 +177,10 @@ def _slid(cut: Cut, s: Segments, drawn: Segments, foot: _Foot, offset: float, gr
     many = drawn.take(np.full(len(at), foot.row))
     x, y = seg.points_at(many, at)
     off = seg.distances(many, grid.put(x), grid.put(y))
+    if round_:  # of a circle the radius counts, from where its centre comes to lie
+        centre = grid.put(np.array([one.cx[0], one.cy[0]]))
+        reach = np.hypot(grid.put(x) - centre[0], grid.put(y) - centre[1])
+        off = np.abs(reach - one.radius[0])
     good = np.flatnonzero(off <= NEAR_UM)
     best = int(good[0]) if len(good) else int(np.argmin(off))
     if at[best] == foot.at:
@@ -290,7 +296,7 @@ def written(
             if not before.path.closed or before.thread != cut.thread:
                 out.move(*cut.thread)
                 out.control(Kind.PAUSE)
-        offset = _offset(plan, cut)
+        offset = offset_of(plan, cut)
         if not offset:
             mine = np.flatnonzero(lowered.blocks["cut"] == k + 1)
             for i in range(int(mine[0]), int(mine[-1]) + 1):
@@ -660,15 +666,17 @@ def _strays(
     if not len(arc):
         return np.asarray(total**0.25)
     count = len(NINE)
-    rows = np.zeros(len(arc) * count * count, PROGRAMMED)
-    shape = (len(arc), count, count)
-    for name, values in (("x0", cx[arc][:, :, None]), ("y0", cy[arc][:, :, None])):
-        rows[name] = np.broadcast_to(values, shape).ravel()
-    for name, values in (("x1", cx[arc + 1][:, None, :]), ("y1", cy[arc + 1][:, None, :])):
-        rows[name] = np.broadcast_to(values, shape).ravel()
-    _, _, torn, middle = _centres(rows, s, np.repeat(arc, count * count), grid)
-    bulge = side * -s.turn[arc][:, None, None] * middle.reshape(shape)
-    total[arc] += 2.0 * cost(bulge) + np.asarray(0.5 * torn.reshape(shape)) ** 4
+    for low in range(0, len(arc), AT_ONCE):
+        some = arc[low : low + AT_ONCE]
+        shape = (len(some), count, count)
+        rows = np.zeros(len(some) * count * count, PROGRAMMED)
+        for name, values in (("x0", cx[some][:, :, None]), ("y0", cy[some][:, :, None])):
+            rows[name] = np.broadcast_to(values, shape).ravel()
+        for name, values in (("x1", cx[some + 1][:, None, :]), ("y1", cy[some + 1][:, None, :])):
+            rows[name] = np.broadcast_to(values, shape).ravel()
+        _, _, torn, middle = _centres(rows, s, np.repeat(some, count * count), grid)
+        bulge = side * -s.turn[some][:, None, None] * middle.reshape(shape)
+        total[some] += 2.0 * cost(bulge) + np.asarray(0.5 * torn.reshape(shape)) ** 4
     return np.asarray(total**0.25)
 
 
@@ -712,6 +720,8 @@ def _centres(
         middle = np.hypot(x0 - qx, y0 - qy) - np.hypot(mx - qx, my - qy)
         off = np.hypot(cx - s.cx[k], cy - s.cy[k])
         cost = 0.5 * torn + np.abs(middle) + 0.05 * off
+        reach = np.hypot(x0 - cx, y0 - cy)
+        cost = np.where(chord > 0, cost, np.abs(reach - s.radius[k]) + off)
         turned = np.arctan2(y1 - cy, x1 - cx) - np.arctan2(y0 - cy, x0 - cx)
         turned = np.where(chord > 0, np.mod(turn * turned, TAU), TAU)
         cost = np.where(np.abs(turned - sweep) < 1.0, cost, np.inf)
@@ -721,4 +731,4 @@ def _centres(
     return best[0], best[1], best[2], best[3]
 
 
-__all__ = ["Grid", "Written", "numbers", "started", "written"]
+__all__ = ["Grid", "Written", "numbers", "offset_of", "started", "written"]

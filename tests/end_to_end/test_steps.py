@@ -42,7 +42,9 @@ arc_um = 999999
 
 
 def stepping(name, step_um, **axes):
-    return replace(builtin(name), axes=Axes(step_um=step_um, **axes))
+    # Circles whole, so that records and lowered blocks are one to one.
+    whole = replace(builtin(name).iso, full_circle="one")
+    return replace(builtin(name), axes=Axes(step_um=step_um, **axes), iso=whole)
 
 
 def places(made, step_um):

@@ -118,7 +118,7 @@ def test_turns_are_parted():
 
 @pytest.mark.parametrize("sense", ["NR", "SR"])
 @pytest.mark.parametrize("start", [(1, 0), (0, 1), (-1, 0), (0, -1), (3, 4), (-4, 3), (-3, -4)])
-@pytest.mark.parametrize("size", [2, 10, 20_003])
+@pytest.mark.parametrize("size", [2, 1_003])
 @pytest.mark.parametrize("name", ["iso-um", "iso-mm"])
 def test_full_circles_are_two_halves_of_the_same_steps(sense, start, size, name):
     x, y = (size * v for v in start)

@@ -135,7 +135,7 @@ def compensated(figure: NDArray[np.void], gap_um: int, outwards: bool = True) ->
         dtype `BLOCK`.
 
     >>> f = np.zeros(1, GAPPED)
-    >>> f[0] = (Kind.ARC, 1, 1, 5_000, 3_000, 4_000, 7_071)
+    >>> f[0] = (Kind.ARC, 1, 1, Axis.SQUARE, 5_000, 3_000, 4_000, 7_071)
     >>> [compensated(f, 100)[k].tolist() for k in ("x", "y", "count")]
     [[3060], [4080], [7212]]
     """

@@ -48,6 +48,11 @@ NINE = np.array([(0, 0), *((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i o
 INTO_PART = 1.25
 #: Arcs whose candidates are looked at together: so much memory.
 AT_ONCE = 500
+#: A circle is written so much too far from the part, in steps of the grid: its centre may be off on
+#: all sides, and 2.0 um are allowed beside the part, 1.6 in it.
+CIRCLE_UM = 0.2
+#: A pause may stand so far from where it was asked for, um; the judge allows 5.
+PAUSE_UM = 3.0
 #: What a pair of candidates costs more that turned out badly.
 BANNED = 10.0
 #: Centres that are tried beside the nearest on the grid.
@@ -177,19 +182,26 @@ def _slid(cut: Cut, s: Segments, drawn: Segments, foot: _Foot, offset: float, gr
     many = drawn.take(np.full(len(at), foot.row))
     x, y = seg.points_at(many, at)
     off = seg.distances(many, grid.put(x), grid.put(y))
-    if round_:  # of a circle the radius counts, from where its centre comes to lie
-        centre = grid.put(np.array([one.cx[0], one.cy[0]]))
-        reach = np.hypot(grid.put(x) - centre[0], grid.put(y) - centre[1])
-        off = np.abs(reach - one.radius[0])
-    good = np.flatnonzero(off <= NEAR_UM)
-    best = int(good[0]) if len(good) else int(np.argmin(off))
-    if at[best] == foot.at:
-        return cut
-    tx, ty = (float(c[best]) for c in seg.tangents_at(many, at))
     # On which side the wire runs is seen at the place beside which the path starts now.
     ox, oy = seg.tangents_at(one, np.array([foot.at]))
     v = cut.path.vertices
     side = np.sign(ox[0] * (v["y"][0] - foot.y) - oy[0] * (v["x"][0] - foot.x))
+    if round_:  # of a circle the radius counts, from where its centre comes to lie
+        centre = grid.put(np.array([one.cx[0], one.cy[0]]))
+        sx, sy = grid.put(x) - centre[0], grid.put(y) - centre[1]
+        reach = np.hypot(sx, sy)
+        away = -float(one.turn[0]) * side  # a wire to the left of a left turn is inside
+        # What counts is how far the wire is from it, on the micron on which the path starts.
+        wire = (reach + away * offset) / reach
+        gx, gy = to_grid(centre[0] + sx * wire), to_grid(centre[1] + sy * wire)
+        wanted = one.radius[0] + away * (offset + CIRCLE_UM * grid.step_um)
+        off = np.abs(np.hypot(gx - centre[0], gy - centre[1]) - wanted)
+        off += 0.3 * np.maximum(np.abs(reach - one.radius[0]) - 0.3, 0.0)
+    good = np.flatnonzero(off <= (0.1 if round_ else NEAR_UM))
+    best = int(good[0]) if len(good) else int(np.argmin(off))
+    if at[best] == foot.at:
+        return cut
+    tx, ty = (float(c[best]) for c in seg.tangents_at(many, at))
     wx, wy = float(x[best] - side * offset * ty), float(y[best] + side * offset * tx)
     n = len(s)
     px, py = np.full(n, wx), np.full(n, wy)
@@ -493,7 +505,15 @@ def _paused(
             "corner, inside of which the controller has no block",
             "another length of --stop",
         )
-    fx, fy = grid.put(np.array([foot.x, foot.y])).tolist()
+    # Of the places around one that its segment passes as nearly as can be.
+    one = s.take(np.array([foot.row]))
+    tried = foot.at + np.array(sorted(np.arange(-PAUSE_UM, PAUSE_UM + 0.1), key=abs))
+    tried = np.clip(tried, 0.0, float(one.length[0]))
+    many = s.take(np.full(len(tried), foot.row))
+    gx, gy = (grid.put(c) for c in seg.points_at(many, tried))
+    off = seg.distances(many, gx, gy)
+    best = int(np.argmin(np.round(off, 2)))
+    fx, fy = float(gx[best]), float(gy[best])
     n = _nearest(rows, fx, fy)
     if (fx, fy) == (float(rows["x0"][n]), float(rows["y0"][n])):
         return (rows, chosen, n), []

@@ -85,6 +85,25 @@ def test_stop_and_overcut_and_several_contours() -> None:
     assert [int((k == 3).sum()) for k in kinds] == [28, 28]  # 9 moves with two each, 10 stops
 
 
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        ("D\nB2696B484B10956GXNR3\nDD", [1]),
+        ("B2696B484B10956GXNR3\nD\nDD", [2]),
+        ("{hole}\nD\nD\nB9000B0B9000GXL1\nD\n{hole}\nDD", [4]),
+        ("{hole}\nD\nB9000B0B9000GXL1\nD\nD\n{hole}\nDD", [7]),
+        ("{hole}\nD\nD\n{hole}\nDD", [4]),
+        ("{hole}\nD\nB9000B0B9000GXL1\nD\n{hole}\nDD", []),
+    ],
+)
+def test_a_pause_that_no_cut_makes_is_said(text: str, lines: list[int]) -> None:
+    hole = "B900B0B900GXL1\nB900B0B3600GYNR1\nB900B0B900GXL3"
+    data = text.format(hole=hole).encode()
+    made = conversion.convert(data, to="wed", name="a.3b", format="3b")
+    assert made.ok
+    assert [d.span.line for d in made.findings if d.code == "not-carried"] == lines
+
+
 def test_contours_of_one_thread_point_are_told_apart() -> None:
     """A move of length 0 leaves one pause: no stop of one contour, but the start of another."""
     square = b"B1000B0B1000GXL1 B0B500B500GYL2 B500B0B500GXL1 B0B500B500GYL4 B500B0B500GXL3 "

@@ -74,7 +74,12 @@ def source(
         f'part "{title.split(".")[0] or title}"',
     ]
     cuts = []
-    for k, one in enumerate(stretches(text.blocks, starts, ends)):
+    runs = stretches(text.blocks, starts, ends)
+    for i in _beside(text.blocks["kind"], runs):
+        where = text.at(ends[i])
+        what = f"a pause at {where} mm from the start has no place in the part language"
+        found.append(warning("not-carried", what, _span(program, int(rows[i]))))
+    for k, one in enumerate(runs):
         contour, cut, lost = text.stretch(one, f"path{k + 1}")
         lines += contour if contour[0][:3] == lines[-1][:3] == "let" else ["", *contour]
         cuts.append(cut)
@@ -86,6 +91,23 @@ def source(
             hint = "see to it at the machine"
             found.append(warning("not-carried", what, _span(program, i), hint=hint))
     return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), found
+
+
+def _beside(kinds: NDArray[np.uint8], runs: list[Stretch]) -> list[int]:
+    """Return the pauses that no cut would make: beside contours and the ends of moves."""
+    made, first = set(), 0
+    for one in runs:
+        parts = np.concatenate([one.lead_in, one.path, one.overcut, one.lead_out])
+        start, end = int(parts.min()), int(parts.max())
+        made |= set(range(start, end + 1))  # in a contour: `_stop` has them
+        between = np.arange(first, start)
+        moves = between[kinds[between] == Kind.MOVE]
+        if len(moves):
+            made |= {int(moves[0]) - 1, int(moves[-1]) + 1}
+        elif first:
+            made.add(start - 1)  # a move of length 0
+        first = end + 1
+    return [int(i) for i in np.flatnonzero(kinds == Kind.PAUSE) if int(i) not in made]
 
 
 def _span(program: Program, i: int) -> Span | None:
@@ -129,7 +151,8 @@ class _Text:
     def _mm(self, steps: float) -> str:
         return _mm(steps * self.step_um)
 
-    def _at(self, p: Ints | tuple[int, int]) -> str:
+    def at(self, p: Ints | tuple[int, int]) -> str:
+        """Return a place, mm."""
         return f"({self._mm(int(p[0]))}, {self._mm(int(p[1]))})"
 
     def _sizes(self) -> tuple[Floats, Floats]:
@@ -157,13 +180,13 @@ class _Text:
         same = tuple(self._commands(path, closed, home))
         if same in self.seen:
             other, there = self.seen[same]
-            lines = [f"let {name} = {other} | translate {self._at(home - there)}"]
+            lines = [f"let {name} = {other} | translate {self.at(home - there)}"]
         else:
             self.seen[same] = name, home
             lines = [f"contour {name} {{", *self._commands(path, closed, 0 * home), "}"]
-        cut = f"cut {name} on start {self._at(thread)}"
+        cut = f"cut {name} on start {self.at(thread)}"
         if led or (closed and len(path) == 1):
-            cut += f" enter {self._at(home)}"
+            cut += f" enter {self.at(home)}"
         stop, lost = self._stop(one, path, closed)
         cut += stop
         if len(over):
@@ -175,9 +198,9 @@ class _Text:
         if closed and len(path) == 1:
             i = path[0]
             sense = "" if self.blocks["turn"][i] > 0 else "cw "
-            at, radius = self._at(self.centre[i] - origin), self._mm(float(self.radius[i]))
+            at, radius = self.at(self.centre[i] - origin), self._mm(float(self.radius[i]))
             return [f"  circle {sense}center {at} radius {radius}"]
-        lines = [f"  from {self._at(self.starts[path[0]] - origin)}"]
+        lines = [f"  from {self.at(self.starts[path[0]] - origin)}"]
         for i in path.tolist():
             lines += self._block(i, origin)
         if closed:
@@ -195,7 +218,7 @@ class _Text:
                 rest = path[np.flatnonzero(path == i)[0] + 1 :]
                 told = f" stop {self._mm(float(self.length[rest].sum()))}"
                 continue
-            where = f"{self._at(self.ends[i])} mm from the start"
+            where = f"{self.at(self.ends[i])} mm from the start"
             why = "'stop' is one pause on a closed contour"
             lost.append((i, f"a pause at {where} has no place in the part language: {why}"))
         return told, lost[::-1]
@@ -203,7 +226,7 @@ class _Text:
     def _block(self, i: int, origin: Ints) -> list[str]:
         """Return the commands of a block, from ``origin``."""
         if not self.arc[i]:
-            return [f"  line to {self._at(self.ends[i] - origin)}"]
+            return [f"  line to {self.at(self.ends[i] - origin)}"]
         turn, sweep = int(self.blocks["turn"][i]), float(self.sweep[i])
         word, centre = ("ccw" if turn > 0 else "cw"), self.centre[i]
         least = 1 if sweep <= MOST_SWEEP else int(np.ceil(sweep / np.pi))
@@ -212,5 +235,5 @@ class _Text:
         part = np.repeat(self.blocks[i : i + 1], pieces - 1)
         dx, dy = position(part, self.steps[i] * np.arange(1, pieces) // pieces, self.table)
         stops = [*(self.starts[i] + np.column_stack([dx, dy])), self.ends[i]]
-        middle = self._at(centre - origin)
-        return [f"  arc {word} to {self._at(p - origin)} center {middle}" for p in stops]
+        middle = self.at(centre - origin)
+        return [f"  arc {word} to {self.at(p - origin)} center {middle}" for p in stops]

@@ -140,6 +140,8 @@ def test_an_interrupted_run_leaves_no_traceback_and_no_partial_file(folder, line
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         start_new_session=True,
+        # In the background of a shell the tests themselves ignore Ctrl-C, and would hand that on.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     if line.startswith("batch"):  # until it has begun
         until = time.monotonic() + 60

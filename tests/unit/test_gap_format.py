@@ -126,3 +126,18 @@ def test_memory():
     for n, over in ((585, False), (586, True)):
         _, found = encode(Program(blocks[:n].copy()), M)
         assert ("over-memory" in [d.code for d in found]) is over
+
+
+def test_records_of_a_plate_state_its_outline_whatever_is_cut_first():
+    """A hole shrinks and an outer corner grows, also where the hole is cut before the outside."""
+    import parts
+    import wedmcam
+
+    plate = parts.contour_of_bulges(
+        *parts.rounded(np.array([(0.0, 0), (30_000, 0), (30_000, 20_000), (0, 20_000)]), 2000.0)
+    )
+    drawing = parts.dxf_bytes((plate, parts.circle(15_000, 10_000, 5000)))
+    made = wedmcam.compile(drawing, to="4b", offset=0.1)
+    assert made.ok
+    records = [r for r in made.data.decode().split() if "R" in r]
+    assert {r.split("G")[0].split("B")[-1] for r in records} == {"5000DD", "2000D"}

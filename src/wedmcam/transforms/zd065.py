@@ -73,9 +73,9 @@ def grown(plan: Plan, program: Program) -> NDArray[np.int8]:
     The outline lies on the side of what is kept; an arc whose centre is on that side grew.
     """
     left = {}
-    for cut in plan.cuts:
+    for number, cut in enumerate(plan.cuts, 1):  # as blocks count them: in cutting order
         keeps = cut.keeps_left
-        left[cut.number] = plan.side is Side.RIGHT if keeps is None else keeps
+        left[number] = plan.side is Side.RIGHT if keeps is None else keeps
     side = np.array([1 if left.get(n, True) else -1 for n in program.blocks["cut"].tolist()])
     turn = program.blocks["turn"]
     return np.asarray(np.where(turn == 0, 1, turn * side), dtype=np.int8)

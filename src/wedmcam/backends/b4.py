@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from wedmcam.backends import b3
 from wedmcam.backends.fit import Checks
-from wedmcam.backends.gap import closed, outline
-from wedmcam.diag import Diagnostic, Severity
+from wedmcam.backends.gap import stated
+from wedmcam.diag import Diagnostic
 from wedmcam.formats import b4
-from wedmcam.formats.lengths import mm_of
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
 
@@ -46,45 +45,11 @@ def encode(
         The bytes, empty when there is an error.
     """
     checks = Checks(program)
-    mm = mm_of(machine.axes.step_um)
+    figure = stated(program, machine, checks, gap_um, outwards, grown, b4.MOST_GAP_UM, "3b")
+    if figure is None:
+        return b"", checks.found
     blocks = program.blocks
     arc = blocks["kind"] == Kind.ARC
-    if grown is None:
-        assert not gap_um
-        grown = np.where(blocks["turn"] < 0, -1, 1)
-    sign = grown.astype(np.int64)
-    radius = np.floor(np.hypot(blocks["x"], blocks["y"]) + 0.5).astype(np.int64)
-    err = Severity.ERROR
-    checks.tell(
-        err,
-        "gap-value",
-        np.full(len(blocks), not 0 <= gap_um <= b4.MOST_GAP_UM),
-        lambda i: f"a gap of {mm(gap_um)}; up to {mm(b4.MOST_GAP_UM)} is taken",
-    )
-    checks.tell(
-        err,
-        "not-tangent",
-        arc & (sign > 0) & (radius - gap_um < 1),
-        lambda i: "the wire goes round a sharp corner of the outline",
-        "round the corners (--corner), or --to 3b",
-    )
-    if checks.failed:
-        return b"", checks.found
-    table = LineTable(machine.line_table)
-    figure = outline(blocks, gap_um, outwards, sign)
-    figure, lost = closed(figure, program, gap_um, outwards, table)
-    checks.tell(
-        err,
-        "not-reachable",
-        lost,
-        lambda i: (
-            f"the contour cannot end where it started with a gap of {mm(gap_um)}: no line follows "
-            "its arcs to take up what scaling rounds off"
-        ),
-        "another gap by some um, or --to 3b",
-    )
-    if checks.failed:
-        return b"", checks.found
     drawn = blocks.copy()
     moved = figure["kind"] <= Kind.MOVE
     straight = moved & ~arc

@@ -57,6 +57,41 @@ def encode(
     if has_errors(found):
         return b"", found
     checks = Checks(program)
+    figure = stated(program, machine, checks, gap_um, outwards, grown, gap.MOST_GAP_UM, "compact")
+    found += checks.found
+    if figure is None:
+        return b"", found
+    data, sizes = _bytes(figure)
+    memory = machine.limits.memory_bytes
+    if memory and len(data) > memory:
+        parts = compact.loads(sizes, memory)
+        text = f"{len(data)} bytes; the memory of {machine.name} holds {memory}: {parts} loads"
+        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
+    return data, found
+
+
+def stated(
+    program: Program,
+    machine: Machine,
+    checks: Checks,
+    gap_um: int,
+    outwards: bool,
+    grown: NDArray[np.integer[Any]] | None,
+    most_um: int,
+    instead: str,
+) -> NDArray[np.void] | None:
+    """Return the outline that a file states, dtype `GAPPED`; None where it cannot, as checked.
+
+    Args:
+        program: the offset path.
+        machine: whose controller makes the path of the outline.
+        checks: takes what is found.
+        gap_um: see `encode`.
+        outwards: see `encode`.
+        grown: see `encode`.
+        most_um: the largest gap that the controller takes.
+        instead: a format that takes any path, for hints.
+    """
     blocks = program.blocks
     arc = blocks["kind"] == Kind.ARC
     if grown is None:
@@ -67,18 +102,18 @@ def encode(
     checks.tell(
         Severity.ERROR,
         "gap-value",
-        np.full(len(blocks), not 0 <= gap_um <= gap.MOST_GAP_UM),
-        lambda i: f"a gap of {mm(gap_um)}; the controller takes up to {mm(gap.MOST_GAP_UM)}",
+        np.full(len(blocks), not 0 <= gap_um <= most_um),
+        lambda i: f"a gap of {mm(gap_um)}; the controller takes up to {mm(most_um)}",
     )
     checks.tell(
         Severity.ERROR,
         "not-tangent",
         arc & (sign > 0) & (radius - gap_um < 1),
         lambda i: "the wire goes round a sharp corner of the outline",
-        "round the corners (--corner), or --to compact",
+        f"round the corners (--corner), or --to {instead}",
     )
     if checks.failed:
-        return b"", found + checks.found
+        return None
     figure = outline(blocks, gap_um, outwards, sign)
     figure, lost = closed(figure, program, gap_um, outwards, LineTable(machine.line_table))
     checks.tell(
@@ -89,18 +124,9 @@ def encode(
             f"the contour cannot end where it started with a gap of {mm(gap_um)}: no line follows "
             "its arcs to take up what scaling rounds off"
         ),
-        "another gap by some um, or --to compact",
+        f"another gap by some um, or --to {instead}",
     )
-    found += checks.found
-    if checks.failed:
-        return b"", found
-    data, sizes = _bytes(figure)
-    memory = machine.limits.memory_bytes
-    if memory and len(data) > memory:
-        parts = compact.loads(sizes, memory)
-        text = f"{len(data)} bytes; the memory of {machine.name} holds {memory}: {parts} loads"
-        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
-    return data, found
+    return None if checks.failed else figure
 
 
 def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) -> NDArray[np.void]:

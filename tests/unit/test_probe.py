@@ -205,6 +205,16 @@ def run(*arguments, cwd):
     )  # fmt: skip
 
 
+def test_readings_are_not_written_over(tmp_path):
+    assert run("-o", "p.3b", cwd=tmp_path).returncode == 0
+    assert run("-o", "p.3b", cwd=tmp_path).returncode == 0  # an empty sheet may be
+    (tmp_path / "p.txt").write_text("moved -2.0 1.0\n", "utf-8")
+    done = run("-o", "p.3b", cwd=tmp_path)
+    assert done.returncode == 2
+    assert b"no empty sheet" in done.stderr
+    assert (tmp_path / "p.txt").read_text("utf-8") == "moved -2.0 1.0\n"
+
+
 def test_the_command(tmp_path):
     done = run("-o", "p.3b", "--profile", "b3-columns", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

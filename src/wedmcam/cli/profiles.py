@@ -130,7 +130,11 @@ def _probe_written(output: str, profile: str) -> int:
         for part in probe.PARTS
     }
     files = [(name, probe.text(part, machine)) for part, name in names.items()]
-    files.append((f"{stem}.txt", probe.sheet(names).encode("utf-8")))
+    blank = probe.sheet(names).encode("utf-8")
+    there = Path(f"{stem}.txt")
+    if there.exists() and there.read_bytes() != blank:
+        raise WrongUse(f"{there} is there already and is no empty sheet: give another name")
+    files.append((str(there), blank))
     check_outputs([], [name for name, _ in files])
     write_outputs(files)
     for part, name in names.items():

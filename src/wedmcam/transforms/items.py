@@ -36,9 +36,6 @@ from wedmcam.transforms.order import order
 #: Boxes that are as equal as this are the boxes of one outline, um.
 EQUAL_UM = 2.0
 
-#: Sides that are held against kept material.
-SIDED = (Side.PART, Side.DIE)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Worked:

@@ -256,8 +256,11 @@ def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
     return best, float(at[best])
 
 
-def rotated(path: Contour, s: Segments, row: int, at: float) -> Contour:
-    """Return a closed path that starts on segment ``row`` at ``at`` um, split there if need be."""
+def rotated(path: Contour, s: Segments, row: int, at: float, snap_um: float = VERTEX_UM) -> Contour:
+    """Return a closed path that starts on segment ``row`` at ``at`` um, split there if need be.
+
+    Within ``snap_um`` of a vertex it starts there.
+    """
     v = path.vertices
     n = len(v)
     length = float(s.length[row])
@@ -267,7 +270,7 @@ def rotated(path: Contour, s: Segments, row: int, at: float) -> Contour:
         if min(at, length - at) > 1e-6:
             rows["x"], rows["y"] = x, y
         return Contour(rows, True, path.sources)
-    snap = min(VERTEX_UM, 0.25 * length)
+    snap = min(snap_um, 0.25 * length)
     if at <= snap or at >= length - snap:
         first = row if at <= snap else (row + 1) % n
         return Contour(np.roll(v, -first), True, path.sources)

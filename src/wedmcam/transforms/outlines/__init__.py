@@ -1,0 +1,311 @@
+"""From a plan to the outlines that a controller with G41 and G42 is given, on its grid.
+
+The wire path of the plan is what the controller shall make; what is written is the part beside it.
+The outline starts at the foot of the path's start; side and offset are those of the path. Whether
+the controller's path is the plan's is for the judge; what is checked here is what handbooks ask of
+leads, so that the machine does not stop with an alarm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.geom import segments as seg
+from wedmcam.geom.segments import Floats, Ints, Segments
+from wedmcam.ir.plan import Cut, Plan
+from wedmcam.ir.program import BLOCK, Kind, Program, Role
+from wedmcam.ir.programmed import PROGRAMMED, Programmed
+from wedmcam.transforms.outlines.grid import Grid, gridded
+from wedmcam.transforms.outlines.starts import foot_of, offset_of, opened, started
+
+#: A pause may stand so far from where it was asked for, um; the judge allows 5.
+PAUSE_UM = 3.0
+
+Blocks = NDArray[np.void]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Written:
+    """Outlines as a writer takes them.
+
+    Attributes:
+        programmed: blocks in order; those of cuts without an offset as they were lowered.
+        ends: where each block ends as it is programmed, um, shape (blocks, 2).
+        chosen: for each motion what was chosen for it: number of the cut, row of the outline's
+            segment, candidates of its start and end; -1 for leads.
+    """
+
+    programmed: Programmed
+    ends: Floats
+    chosen: Ints
+
+
+def numbers(plan: Plan, first: int) -> dict[int, float]:
+    """Return D number -> offset, um: one for each offset of the plan, from ``first`` on."""
+    offsets = list(dict.fromkeys(o for o in (offset_of(plan, c) for c in plan.cuts) if o > 0))
+    return {first + k: offset for k, offset in enumerate(offsets)}
+
+
+def written(
+    plan: Plan,
+    lowered: Program,
+    places: Ints,
+    grid: Grid,
+    table: dict[int, float],
+    not_again: Sequence[tuple[int, int, int, int]] = (),
+) -> tuple[Written | None, list[Diagnostic]]:
+    """Return the outlines of a plan on the grid, in cutting order, with the moves between them.
+
+    Args:
+        plan: whose paths start where `started` put them.
+        lowered: the same as stepped blocks; cuts without an offset are taken from there.
+        places: where its blocks end, um, shape (blocks, 2).
+        grid: of the format.
+        table: D numbers.
+        not_again: rows of ``Written.chosen`` that turned out badly.
+    """
+    number = {offset: d for d, offset in table.items()}
+    found: list[Diagnostic] = []
+    out = _Out()
+    for k, cut in enumerate(plan.cuts):
+        if k:
+            out.control(Kind.PAUSE)
+            before = plan.cuts[k - 1]
+            if not before.path.closed or before.thread != cut.thread:
+                out.move(*cut.thread)
+                out.control(Kind.PAUSE)
+        offset = offset_of(plan, cut)
+        if not offset:
+            mine = np.flatnonzero(lowered.blocks["cut"] == k + 1)
+            for i in range(int(mine[0]), int(mine[-1]) + 1):
+                out.block(lowered.blocks[i], places[i])
+            continue
+        bans = [row[1:] for row in not_again if row[0] == k]
+        made, more = _outline(cut, offset, number[offset], k, grid, bans)
+        found += more
+        if made is not None:
+            for part, chosen, pause in made:
+                out.motions(part, chosen)
+                if pause:
+                    out.control(Kind.PAUSE)
+    out.control(Kind.STOP)
+    return (None if found else out.done(plan.cuts[0].thread)), found
+
+
+class _Out:
+    """Blocks in the making."""
+
+    def __init__(self) -> None:
+        self.blocks: list[Blocks] = []
+        self.mark: list[int] = []
+        self.runs: list[Blocks] = []
+        self.chosen: list[Ints] = []
+        self.ends: list[tuple[float, float]] = []
+        self.count = 0
+
+    def _add(self, block: Blocks, end: tuple[float, float], mark: int = -1) -> None:
+        self.blocks.append(block)
+        self.ends.append(end)
+        self.mark.append(mark)
+
+    def control(self, kind: Kind) -> None:
+        block = np.zeros(1, BLOCK)
+        block["kind"], block["source"] = kind, -1
+        self._add(block, self.ends[-1] if self.ends else (0.0, 0.0))
+
+    def move(self, x: int, y: int) -> None:
+        block = np.zeros(1, BLOCK)
+        block["kind"], block["source"] = Kind.MOVE, -1
+        self._add(block, (float(x), float(y)))
+
+    def block(self, row: np.void, end: Ints) -> None:
+        self._add(np.array([row], BLOCK), (float(end[0]), float(end[1])))
+
+    def motions(self, rows: Blocks, chosen: Ints) -> None:
+        for row in rows:
+            block = np.zeros(1, BLOCK)
+            block["kind"] = Kind.ARC if row["turn"] else Kind.LINE
+            self._add(block, (float(row["x1"]), float(row["y1"])), self.count)
+            self.count += 1
+        self.runs.append(rows)
+        self.chosen.append(chosen)
+
+    def done(self, origin: tuple[int, int]) -> Written:
+        motions = np.concatenate(self.runs) if self.runs else np.zeros(0, PROGRAMMED)
+        program = Program(np.concatenate(self.blocks), origin)
+        mark = np.array(self.mark, np.int64)
+        ends = np.array(self.ends).reshape(-1, 2)
+        chosen = np.concatenate(self.chosen) if self.chosen else np.zeros((0, 4), np.int64)
+        return Written(Programmed(program, mark, motions), ends, chosen)
+
+
+def _refused(cut: Cut, code: str, what: str, hint: str) -> list[Diagnostic]:
+    x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
+    text = f"the contour that is threaded at ({x:.3f}, {y:.3f}) mm: {what}"
+    return [error(code, text, _span(cut), points_mm=((x, y),), hint=hint)]
+
+
+def _span(cut: Cut) -> Span | None:
+    return cut.path.source_of(0)
+
+
+def _outline(
+    cut: Cut, offset: float, d: int, run: int, grid: Grid, bans: Sequence[tuple[int, ...]]
+) -> tuple[list[tuple[Blocks, Ints, bool]] | None, list[Diagnostic]]:
+    """Return the motions of a cut as (motions, chosen, pause behind them), with leads."""
+    outline = cut.outline
+    if outline is None or outline.closed != cut.path.closed:
+        return None, _refused(
+            cut,
+            "compensation-lost",
+            "the wire path is only a part of its outline, which the controller cannot offset",
+            "a profile that does not leave the offset to the controller",
+        )
+    v = cut.path.vertices
+    wx, wy = float(v["x"][0]), float(v["y"][0])
+    if outline.closed:
+        s = seg.of_rows(outline.starts, outline.ends)
+        foot = foot_of(s, wx, wy, offset, True)
+        if foot is None:
+            return None, _refused(
+                cut,
+                "compensation-lead",
+                "the wire path starts on the arc round a corner, where the first and the last "
+                "block of the outline have no common normal",
+                "another thread point (--start), beside a line or an arc of the outline",
+            )
+        outline = opened(outline, s, foot)
+    else:
+        ends = [np.hypot(outline.vertices[k]["x"] - wx, outline.vertices[k]["y"] - wy)
+                for k in (0, -1)]  # fmt: skip
+        outline = outline if ends[0] <= ends[1] else outline.reversed()
+    s = seg.of_rows(outline.starts, outline.ends)
+    tx, ty = (float(c[0]) for c in seg.start_tangents(s))
+    side = 1.0 if tx * (wy - s.y0[0]) - ty * (wx - s.x0[0]) > 0 else -1.0
+    rows, chosen = gridded(outline, s, grid, side * offset, cut.path, bans)
+    chosen = np.column_stack([np.full(len(rows), run), chosen])
+    rows["shift"], rows["d"], rows["run"] = side * offset, d, run
+    found = _lead(cut, rows, side * offset)
+    if found:
+        return None, found
+    first, last = np.zeros(1, PROGRAMMED), np.zeros(1, PROGRAMMED)
+    for lead, role in ((first, Role.LEAD_IN), (last, Role.LEAD_OUT)):
+        lead["role"], lead["d"], lead["run"] = role, d, run
+    first["shift"] = side * offset
+    first["x0"], first["y0"] = cut.thread
+    first["x1"], first["y1"] = rows["x0"][0], rows["y0"][0]
+    last["x0"], last["y0"] = rows["x1"][-1], rows["y1"][-1]
+    last["x1"], last["y1"] = cut.thread
+    pause, more = _paused(cut, s, rows, chosen, offset, grid)
+    if pause is None:
+        return None, more
+    rows, chosen, at = pause
+    nobody = np.full((1, 4), -1)
+    lead_out = [(last, nobody, False)] if cut.path.closed else []
+    return [
+        (first, nobody, at == 0),
+        (rows[:at], chosen[:at], 0 < at < len(rows)),
+        (rows[at:], chosen[at:], False),
+        *lead_out,
+    ], []
+
+
+def _lead(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
+    """Return what is wrong with the way from the thread point to the outline."""
+    x, y = cut.thread
+    sx, sy = float(rows["x0"][0]), float(rows["y0"][0])
+    tx, ty = _heading(rows[0])
+    length = float(np.hypot(sx - x, sy - y))
+    place = f"({sx / 1000:.3f}, {sy / 1000:.3f}) mm"
+    if length < abs(shift):
+        return _refused(
+            cut,
+            "compensation-lead",
+            f"its lead to the outline at {place} is {length / 1000:.3f} mm long, shorter than the "
+            f"offset of {abs(shift) / 1000:.3f} mm",
+            "a thread point farther away (--start), or a longer --lead",
+        )
+    left = tx * (y - sy) - ty * (x - sx)
+    # From below the height of the wire the lead would cut into what is kept beside the start.
+    if left * np.sign(shift) < abs(shift) - 1.0 and cut.path.closed:
+        return _refused(
+            cut,
+            "compensation-lead",
+            f"its lead arrives at {place} from below the wire path: the wire would enter the part "
+            "beside the start",
+            "a thread point farther away from the contour, over the place where it starts",
+        )
+    return []
+
+
+def _heading(row: np.void) -> tuple[float, float]:
+    if row["turn"]:
+        t = float(row["turn"])
+        dx, dy = -t * (row["y0"] - row["cy"]), t * (row["x0"] - row["cx"])
+    else:
+        dx, dy = row["x1"] - row["x0"], row["y1"] - row["y0"]
+    size = float(np.hypot(dx, dy)) or 1.0
+    return float(dx) / size, float(dy) / size
+
+
+def _paused(
+    cut: Cut, s: Segments, rows: Blocks, chosen: Ints, offset: float, grid: Grid
+) -> tuple[tuple[Blocks, Ints, int] | None, list[Diagnostic]]:
+    """Return motions, parted where the machine is to pause (--stop), and how many come before."""
+    if not cut.stop_um:
+        return (rows, chosen, len(rows)), []
+    p = seg.of_rows(cut.path.starts, cut.path.ends)
+    at = np.cumsum(p.length)
+    where = float(at[-1]) - cut.stop_um
+    k = int(np.searchsorted(at, where, "right"))
+    x, y = (
+        float(c[0])
+        for c in seg.points_at(p.take(np.array([k])), np.array([where - at[k] + p.length[k]]))
+    )
+    foot = foot_of(s, x, y, offset, False)
+    if foot is None:
+        return None, _refused(
+            cut,
+            "compensation-place",
+            f"the pause of --stop at ({x / 1000:.3f}, {y / 1000:.3f}) mm is on the arc round a "
+            "corner, inside of which the controller has no block",
+            "another length of --stop",
+        )
+    # Of the places around one that its segment passes as nearly as can be.
+    one = s.take(np.array([foot.row]))
+    tried = foot.at + np.array(sorted(np.arange(-PAUSE_UM, PAUSE_UM + 0.1), key=abs))
+    tried = np.clip(tried, 0.0, float(one.length[0]))
+    many = s.take(np.full(len(tried), foot.row))
+    gx, gy = (grid.put(c) for c in seg.points_at(many, tried))
+    off = seg.distances(many, gx, gy)
+    best = int(np.argmin(np.round(off, 2)))
+    fx, fy = float(gx[best]), float(gy[best])
+    n = _nearest(rows, fx, fy)
+    if (fx, fy) == (float(rows["x0"][n]), float(rows["y0"][n])):
+        return (rows, chosen, n), []
+    if (fx, fy) != (float(rows["x1"][n]), float(rows["y1"][n])):
+        rows, chosen = np.insert(rows, n, rows[n]), np.insert(chosen, n, chosen[n], axis=0)
+        rows["x1"][n], rows["y1"][n] = fx, fy
+        rows["x0"][n + 1], rows["y0"][n + 1] = fx, fy
+    return (rows, chosen, n + 1), []
+
+
+def _nearest(rows: Blocks, x: float, y: float) -> int:
+    s = _segments(rows)
+    n = len(rows)
+    return int(np.argmin(seg.distances(s, np.full(n, x), np.full(n, y))))
+
+
+def _segments(rows: Blocks) -> Segments:
+    x0, y0, x1, y1, cx, cy = (
+        rows[k].astype(np.float64) for k in ("x0", "y0", "x1", "y1", "cx", "cy")
+    )
+    return seg.make(x0, y0, x1, y1, cx, cy, rows["turn"].astype(np.int8))
+
+
+__all__ = ["Grid", "Written", "numbers", "offset_of", "started", "written"]

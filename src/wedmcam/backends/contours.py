@@ -62,6 +62,28 @@ def stretches(blocks: Blocks, starts: Ints, ends: Ints) -> list[Stretch]:
     return out
 
 
+def beside(kinds: NDArray[np.uint8], runs: list[Stretch]) -> list[int]:
+    """Return the pauses that are neither in a stretch nor made by the moves between two.
+
+    Args:
+        kinds: of all blocks.
+        runs: what `stretches` told of them.
+    """
+    made, first = set(), 0
+    for one in runs:
+        parts = np.concatenate([one.lead_in, one.path, one.overcut, one.lead_out])
+        start, end = int(parts.min()), int(parts.max())
+        made |= set(range(start, end + 1))
+        between = np.arange(first, start)
+        moves = between[kinds[between] == Kind.MOVE]
+        if len(moves):
+            made |= {int(moves[0]) - 1, int(moves[-1]) + 1}
+        elif first:
+            made.add(start - 1)  # a move of length 0
+        first = end + 1
+    return [int(i) for i in np.flatnonzero(kinds == Kind.PAUSE) if int(i) not in made]
+
+
 def _stretch(blocks: Blocks, rows: Ints, starts: Ints, ends: Ints) -> Stretch:
     leads = _leads(blocks, rows, starts, ends)
     path = rows[leads : len(rows) - leads]

@@ -16,7 +16,7 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import Stretch, stretches
+from wedmcam.backends.contours import Stretch, beside, stretches
 from wedmcam.controller import position, run
 from wedmcam.diag import Diagnostic, Span, error, warning
 from wedmcam.ir.program import Kind, LineTable, Program
@@ -75,7 +75,7 @@ def source(
     ]
     cuts = []
     runs = stretches(text.blocks, starts, ends)
-    for i in _beside(text.blocks["kind"], runs):
+    for i in beside(text.blocks["kind"], runs):
         where = text.at(ends[i])
         what = f"a pause at {where} mm from the start has no place in the part language"
         found.append(warning("not-carried", what, _span(program, int(rows[i]))))
@@ -91,23 +91,6 @@ def source(
             hint = "see to it at the machine"
             found.append(warning("not-carried", what, _span(program, i), hint=hint))
     return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), found
-
-
-def _beside(kinds: NDArray[np.uint8], runs: list[Stretch]) -> list[int]:
-    """Return the pauses that no cut would make: beside contours and the ends of moves."""
-    made, first = set(), 0
-    for one in runs:
-        parts = np.concatenate([one.lead_in, one.path, one.overcut, one.lead_out])
-        start, end = int(parts.min()), int(parts.max())
-        made |= set(range(start, end + 1))  # in a contour: `_stop` has them
-        between = np.arange(first, start)
-        moves = between[kinds[between] == Kind.MOVE]
-        if len(moves):
-            made |= {int(moves[0]) - 1, int(moves[-1]) + 1}
-        elif first:
-            made.add(start - 1)  # a move of length 0
-        first = end + 1
-    return [int(i) for i in np.flatnonzero(kinds == Kind.PAUSE) if int(i) not in made]
 
 
 def _span(program: Program, i: int) -> Span | None:

@@ -21,14 +21,14 @@ from wedmcam.machines import Axes, Machine
 _EXCHANGED = np.array([Axis.Y, Axis.X, Axis.SQUARE_X, Axis.SQUARE], np.uint8)
 
 
-def places(xy: NDArray[np.int64], axes: Axes) -> NDArray[np.int64]:
+def places(xy: NDArray[Any], axes: Axes) -> NDArray[Any]:
     """Return places or ways (x, y), shape (n, 2), as the controller has them.
 
     >>> places(np.array([[5, 2]]), Axes(exchange=True, mirror_x=True)).tolist()
     [[2, -5]]
     """
     signs = np.array([-1 if axes.mirror_x else 1, -1 if axes.mirror_y else 1])
-    mirrored: NDArray[np.int64] = xy * signs
+    mirrored: NDArray[Any] = xy * signs
     return mirrored[:, ::-1] if axes.exchange else mirrored
 
 
@@ -61,19 +61,13 @@ def outlines_to_controller(
     """
     motions = written.motions.copy()
     for x, y in (("x0", "y0"), ("x1", "y1"), ("cx", "cy")):
-        there = _turned(np.stack([motions[x], motions[y]], axis=1), axes)
+        there = places(np.stack([motions[x], motions[y]], axis=1), axes)
         motions[x], motions[y] = there[:, 0], there[:, 1]
     if axes.exchange ^ axes.mirror_x ^ axes.mirror_y:
         motions["turn"] *= -1
         motions["shift"] *= -1
     program = to_controller(written.program, axes)
-    return Programmed(program, written.mark, motions), _turned(ends, axes)
-
-
-def _turned(xy: NDArray[np.float64], axes: Axes) -> NDArray[np.float64]:
-    signs = np.array([-1.0 if axes.mirror_x else 1.0, -1.0 if axes.mirror_y else 1.0])
-    mirrored: NDArray[np.float64] = xy * signs
-    return mirrored[:, ::-1] if axes.exchange else mirrored
+    return Programmed(program, written.mark, motions), places(ends, axes)
 
 
 def in_frame(encode: Any) -> Any:

@@ -66,7 +66,7 @@ def applied(read: Programmed, target: Target) -> tuple[Program | None, list[Diag
     if not len(motions):
         return program, []
     found: list[Diagnostic] = []
-    spans = _spans(read)
+    spans = [program.spans[k] for k in _block_of(read).tolist()]
     made: list[_Made] = []
     for run in range(int(motions["run"].max()) + 1):
         rows = np.flatnonzero(motions["run"] == run)
@@ -80,12 +80,12 @@ def applied(read: Programmed, target: Target) -> tuple[Program | None, list[Diag
     return _woven(read, made), []
 
 
-def _spans(read: Programmed) -> list[Span]:
-    """Return the place of each motion in the file."""
+def _block_of(read: Programmed) -> Ints:
+    """Return the block of each motion."""
     where = np.flatnonzero(read.mark >= 0)
     block = np.zeros(len(read.motions), np.int64)
     block[read.mark[where]] = where
-    return [read.program.spans[k] for k in block.tolist()]
+    return block
 
 
 def _woven(read: Programmed, made: list[_Made]) -> Program:
@@ -93,11 +93,8 @@ def _woven(read: Programmed, made: list[_Made]) -> Program:
     program = read.program
     blocks = np.concatenate([m.blocks for m in made])
     of = np.concatenate([m.of for m in made])
-    block = np.zeros(len(read.motions), np.int64)
-    where = np.flatnonzero(read.mark >= 0)
-    block[read.mark[where]] = where
     plain = np.flatnonzero(read.mark < 0)
-    place = np.concatenate([plain, block[of]])
+    place = np.concatenate([plain, _block_of(read)[of]])
     order = np.argsort(place, kind="stable")
     every = np.concatenate([program.blocks[plain], blocks])[order]
     place = place[order]

@@ -13,12 +13,13 @@ from wedmcam import api, conversion
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.entered import Entered
+from wedmcam.ir.program import LineTable
+from wedmcam.judge.difference import difference
 from wedmcam.options import Options
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = sorted(p.name for p in (ROOT / "tests/golden").iterdir() if p.suffix != ".py")
-# Outlines with G41 are paths only with a table of offsets, which a name does not bring.
-GOLDEN = [n for n in GOLDEN if n.endswith((".3b", ".zd", ".nc")) and ".g41" not in n]
+GOLDEN = [n for n in GOLDEN if n.endswith((".3b", ".zd", ".nc", ".4b"))]
 
 
 def again(data: bytes, name: str, **more):
@@ -34,12 +35,17 @@ def again(data: bytes, name: str, **more):
 @pytest.mark.parametrize("name", GOLDEN)
 def test_golden_programs_come_back(name: str) -> None:
     data = (ROOT / "tests/golden" / name).read_bytes()
-    offsets = Entered(d=((1, 100.0),)) if ".g41" in name else None
-    made = conversion.convert(data, to="wed", name=name, entered=offsets)
+    given = None  # what the operator enters where the file is an outline
+    if ".g41" in name:
+        given = Entered(d=((1, 100.0),))
+    elif name.endswith(".4b"):
+        given = Entered(gap_um=100, outwards=".die" not in name)
+    made = conversion.convert(data, to="wed", name=name, entered=given)
     assert made.ok, [str(d) for d in made.findings]
     compiled = api.compile(made.data, profile=made.machine_in, name="again.wed")
     assert compiled.ok, [str(d) for d in compiled.findings]
-    told, _ = api.diff(data, compiled.data, names=(name, name), d=((1, 100.0),))
+    table = LineTable(made.machine_in.table)
+    told = difference(made.program, compiled.program, table, table)
     assert told.equal, told
 
 

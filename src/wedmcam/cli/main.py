@@ -533,8 +533,9 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
 
 def _is_program(data: bytes) -> bool:
     from wedmcam.frontends.identify import identify
+    from wedmcam.options import PROGRAM_FORMATS
 
-    return identify(data).format in ("3b", "compact", "rotation", "compensation", "iso", "4b")
+    return identify(data).format in PROGRAM_FORMATS
 
 
 PICTURES = (".svg", ".png", ".html")

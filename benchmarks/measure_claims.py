@@ -455,8 +455,10 @@ def page(quick):
     yield (
         "The bound of 8 digits: half a unit of the eighth digit of the largest coordinate, counted "
         "from the middle of the part (0.005 um at 1 m across, 0.05 at 10 m), for each operation on "
-        "the way. **Within 1 um up to 1 m, and at 10 m within the few tenths that the table "
-        "shows.**"
+        "the way. Where two blocks are nearly tangent, the vertex between them is free to move "
+        "along both: of 7,000 random parts one in a thousand by more than 50 units of the eighth "
+        "digit, the worst of a part under 1 m by 0.87 um; off the path none by 1.3 units. **Within "
+        "1 um up to 1 m, and at 10 m within the few tenths that the table shows.**"
     )
     yield ""
     yield "## 3 Rounding errors of many arcs average out"

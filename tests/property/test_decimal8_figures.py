@@ -7,6 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from exact_arithmetic import DIGITS, EXACT
+from oracle import distance_to_contour
 from parts import FAMILIES, family_case, random_part
 from wedmcam.arithmetic import FLOAT64
 from wedmcam.decimal8 import DECIMAL8
@@ -44,6 +45,15 @@ def apart(one, two):
     return worst
 
 
+def off_path(one, two):
+    """The largest distance of the vertices of each from the path of the other."""
+    pairs = [*zip(one, two, strict=True), *zip(two, one, strict=True)]
+    return max(
+        float(distance_to_contour(np.column_stack([a.vertices["x"], a.vertices["y"]]), b).max())
+        for a, b in pairs
+    )
+
+
 def paths(part, offset, ar, sharp=False):
     signs = [-1.0] + [1.0] * (len(part) - 1)
     with mpmath.workdps(DIGITS):
@@ -59,14 +69,22 @@ def paths(part, offset, ar, sharp=False):
     st.integers(50, 7_999),
     st.booleans(),
 )
+@example(4096, 1, 65, False)  # vertices of nearly tangent blocks: 0.035 um along the path
+@example(710090, 10, 1000, False)  # 0.87 um along it
+@example(657933, 10, 1000, True)  # 350 units of the eighth digit along it
 def test_compensation_to_10_m(seed, factor, offset, sharp):
-    """Within 1 um up to 1 m; beyond, within some units of the eighth digit."""
+    """The path lies within units of the eighth digit; vertices within 1 um, to 1 m far less.
+
+    Where two blocks are nearly tangent their intersection is free to move along both, and does:
+    of 7,000 random parts 0.1 % by more than 50 units. Off the path none moved by 1.3 units.
+    """
     part = enlarged(random_part(seed), factor)
     offset = min(offset, 100 * factor)
     made = paths(part, offset, DECIMAL8, sharp)
     true = paths(part, offset, EXACT, sharp)
     unit = 10.0 ** (np.ceil(np.log10(size_of(part))) - 8)
-    assert apart(made, true) <= max(0.02, 10 * unit)
+    assert off_path(made, true) <= 3 * unit
+    assert apart(made, true) <= (0.25 if factor == 1 else 2.0)
     assert apart(paths(part, offset, FLOAT64, sharp), true) < 1e-3
 
 

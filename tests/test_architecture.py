@@ -12,6 +12,7 @@ SHELL = {
     "__init__",
     "__main__",
     "setup_sheet",
+    "sides",
     "source_map",
     "cli",
     "api",

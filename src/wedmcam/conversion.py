@@ -192,7 +192,11 @@ def between(
     if carried is None:
         return None, None, None, found
     beside = entered or Entered()
-    data, more = encoder(machine.format)(carried, machine, **beside.write(carried, machine))
+    stated, more = beside.write(carried, machine)
+    found += more
+    if stated is None:
+        return None, None, None, found
+    data, more = encoder(machine.format)(carried, machine, **stated)
     found += more
     if has_errors(more):
         return None, None, None, found

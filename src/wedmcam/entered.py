@@ -10,11 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from wedmcam.diag import Diagnostic
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
 from wedmcam.options import WrongUse
 
@@ -91,34 +88,16 @@ class Entered:
             return {"gap_um": round(self.gap_um), "outwards": self.outwards}
         return {}
 
-    def write(self, program: Program, machine: Machine) -> dict[str, Any]:
-        """Return what the writer of a format takes of it."""
+    def write(
+        self, program: Program, machine: Machine
+    ) -> tuple[dict[str, Any] | None, list[Diagnostic]]:
+        """Return what the writer of a format takes of it; None where that cannot be known."""
         if not machine.gapped:
-            return {}
+            return {}, []
         more: dict[str, Any] = {"gap_um": round(self.gap_um), "outwards": self.outwards}
-        return more | ({"grown": grown(program, machine)} if self.gap_um else {})
+        if not self.gap_um:
+            return more, []
+        from wedmcam.sides import grown
 
-
-def grown(program: Program, machine: Machine) -> NDArray[np.int8]:
-    """Return for each block +1 where an outward gap makes its arc larger, -1 where smaller.
-
-    Outwards is away from the inside of the run of cuts that an arc belongs to: an arc grows where
-    it turns as its run does.
-    """
-    from wedmcam.controller import run
-
-    blocks = program.blocks
-    motion = run(blocks, LineTable(machine.table))
-    cut = blocks["kind"] <= Kind.ARC
-    number = np.cumsum(np.concatenate([[0], np.diff(cut.astype(np.int8)) == 1]))
-    x, y = np.cumsum(motion.dx), np.cumsum(motion.dy)
-    twice = (x - motion.dx) * y - (y - motion.dy) * x  # area under chords, doubled
-    # An arc adds the segment between itself and its chord, R^2 (sweep - sin sweep).
-    radius = np.hypot(blocks["x"], blocks["y"])
-    reach = np.hypot(motion.dx, motion.dy) / np.maximum(2 * radius, 1)
-    half = np.arcsin(np.clip(reach, 0, 1))
-    sweep = 2 * np.where(motion.steps > 4 * radius, np.pi - half, half)
-    bow = np.where(blocks["turn"] != 0, blocks["turn"] * radius**2 * (sweep - np.sin(sweep)), 0.0)
-    area = np.bincount(number, np.where(cut, twice + bow, 0.0))
-    sense = np.where(area[number] < 0, -1, 1) * np.where(blocks["turn"] < 0, -1, 1)
-    return np.where(blocks["turn"] == 0, 1, sense).astype(np.int8)
+        made, found = grown(program, machine, self.gap_um, self.outwards)
+        return (None if made is None else more | {"grown": made}), found

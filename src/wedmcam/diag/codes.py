@@ -459,6 +459,12 @@ CODES: dict[str, Code] = {
         "The controller does not take it; an arc would vanish or turn over.",
         "Another gap, or the offset computed in the compiler: --to compact.",
     ),
+    "outline-side": Code(
+        "From the path of a program alone it cannot be told on which side of an arc the outline "
+        "lies.",
+        "The path would be right with the gap it is made for and wrong with every other.",
+        "Compile the drawing to the format with the gap, or convert to one that takes any path.",
+    ),
     "not-reachable": Code(
         "No numbers of the format make the controller compute this block.",
         "Another path would be cut than the one that was proven.",

@@ -1,0 +1,127 @@
+"""A path that becomes an outline and a gap: nested contours alternate, as in a drawing."""
+
+import numpy as np
+import pytest
+
+import parts
+from wedmcam import api, conversion
+from wedmcam.entered import Entered
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.judge.difference import difference
+
+# Paths of the wire: a hole of R 1.9 within a rounded square, and within nothing.
+HOLE = "B900B0B900GXL1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n"
+SQUARE = """B0B1000B1000GYL2
+B3000B0B3000GXL1
+B0B2000B2000GYNR4
+B0B6000B6000GYL2
+B2000B0B2000GXNR1
+B6000B0B6000GXL3
+B0B2000B2000GYNR2
+B0B6000B6000GYL4
+B2000B0B2000GXNR3
+B3000B0B3000GXL1
+B0B1000B1000GYL4
+"""
+
+#: Scaling rounds every arc and J; a compile to these formats is as far off (4.5 um).
+WITHIN_UM = 5.0
+
+
+def outlined(path, to="4b", gap=50, outwards=True):
+    entered = Entered(gap_um=gap, outwards=outwards)
+    return conversion.convert(path.encode(), to=to, name="a.3b", entered=entered)
+
+
+def arcs(made):
+    return [r.split("G")[0].split("B")[-1] for r in made.data.decode().split() if "R" in r]
+
+
+@pytest.mark.parametrize(
+    ("outwards", "hole", "corner"), [(True, "1950DD", "1950D"), (False, "1850DD", "2050D")]
+)
+def test_a_hole_in_an_outline(outwards, hole, corner):
+    made = outlined(f"{HOLE}D\nB0B6000B6000GYL4\nD\n{SQUARE}DD\n", outwards=outwards)
+    assert made.ok, [d.message for d in made.findings]
+    assert arcs(made) == [hole] + [corner] * 4
+
+
+def test_a_contour_alone_is_an_outer_one():
+    assert arcs(outlined(HOLE + "DD\n")) == ["1850D"]
+    assert arcs(outlined(HOLE + "DD\n", outwards=False)) == ["1950D"]
+
+
+def drawn(seed):
+    """A rounded outline with a rounded slot and a round hole, um."""
+    rng = np.random.default_rng(seed)
+    w, h = rng.uniform(20_000, 40_000, 2)
+    box = np.array([(0, 0), (w, 0), (w, h), (0, h)])
+    outer = parts.contour_of_bulges(*parts.rounded(box, rng.uniform(600, 3000, 4)))
+    hole = parts.circle(0.25 * w, 0.5 * h, rng.uniform(1000, 3000))
+    slot = parts.slot(0.7 * w, 0.5 * h, rng.uniform(1000, 4000), rng.uniform(1500, 3000), 0.5)
+    return parts.dxf_bytes((outer, hole, slot))
+
+
+def contours(program):
+    """The blocks of each cut without its leads, as programs."""
+    blocks = program.blocks
+    cut = blocks["kind"] < Kind.MOVE
+    first = np.flatnonzero(cut & ~np.concatenate([[False], cut[:-1]]))
+    last = np.flatnonzero(cut & ~np.concatenate([cut[1:], [False]]))
+    return [Program(blocks[a + 1 : b].copy()) for a, b in zip(first, last, strict=True)]
+
+
+@pytest.mark.parametrize("to", ["4b", "compensation"])
+@pytest.mark.parametrize("side", ["part", "die"])
+def test_the_outline_is_right_for_any_gap(to, side):
+    """With the gap the path comes back; with another it is what a compile at that offset makes.
+
+    Leads are lines, which a gap does not change: contours are compared each from its start.
+    """
+    for seed in range(4):
+        drawing = drawn(seed)
+        path = api.compile(drawing, to="3b", offset=0.1, side=side)
+        at = Entered(gap_um=100, outwards=side == "part")
+        made = conversion.convert(path.data, to=to, name="a.3b", entered=at)
+        assert made.ok, [d.message for d in made.findings]
+        back = conversion.convert(made.data, to="3b", format=to, entered=at)
+        assert back.ok
+        for other in (60, 140):
+            entered = Entered(gap_um=other, outwards=at.outwards)
+            read, machine, _ = api.read_program(made.data, format=to, entered=entered)
+            right = api.compile(drawing, to="3b", offset=other / 1000, side=side)
+            tables = LineTable(machine.table), LineTable(right.machine.table)
+            pairs = list(zip(contours(read), contours(right.program), strict=True))
+            assert len(pairs) == 3
+            apart = [difference(a, b, *tables, 100.0).largest_um for a, b in pairs]
+            assert max(apart) <= WITHIN_UM, apart
+
+
+def test_compile_and_convert_state_the_same():
+    drawing = drawn(7)
+    for side in ("part", "die"):
+        path = api.compile(drawing, to="3b", offset=0.1, side=side)
+        made = outlined(path.data.decode(), gap=100, outwards=side == "part")
+        direct = api.compile(drawing, to="4b", offset=0.1, side=side)
+        assert arcs(made) == arcs(direct)
+
+
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [
+        ("B0B2000B2000GYNR4\n", "does not close"),
+        # Two squares, one across the other.
+        (f"{SQUARE}D\nB2100B2000B2100GXL1\nD\n{SQUARE}", "cross"),
+        # The same hole once more, and 60 um larger.
+        (f"{HOLE}D\n{HOLE}", "on top"),
+        (f"{HOLE}D\nB960B0B960GXL1\nB1960B0B7840GYNR1\nB960B0B960GXL3\n", "two gaps"),
+        ("B900B0B900GXL1\nB1900B0B7600GYNR1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n", "once more"),
+    ],
+)
+def test_where_it_cannot_be_told_it_is_refused(path, why):
+    made = outlined(f"{path}DD\n")
+    assert made.data is None
+    assert made.status == 1
+    assert any(why in d.message for d in made.findings), [d.message for d in made.findings]
+    assert not made.findings[-1].hint or "compile the drawing" in made.findings[-1].hint
+    assert outlined(f"{path}DD\n", gap=0).ok

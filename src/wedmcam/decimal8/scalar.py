@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import decimal
 import math
+import operator
 from collections.abc import Callable
 from decimal import Decimal
 from typing import Any
 
 import numpy as np
 
+from wedmcam.decimal8.exact import hypotenuse
 from wedmcam.decimal8.form import DIGITS, ZERO, in_range, round_integer
 from wedmcam.decimal8.methods import Methods
 
@@ -203,6 +205,17 @@ class Decimal8(Methods):
         root = math.isqrt(n)
         return Decimal8._rounded(10 * root + (root * root != n), (k - k % 2 - 20) // 2 - 1)
 
+    def hypot(self, other: Any) -> Decimal8:
+        """Return the square root of the sum of both squares, rounded once.
+
+        >>> Decimal8(3).hypot(4)
+        Decimal8('5')
+        """
+        m, e = parts_of(other)
+        if not (self._m and m):
+            return abs(Decimal8._of(self._m, self._e) if self._m else Decimal8._of(m, e))
+        return Decimal8._of(*hypotenuse(self._m, self._e, m, e))
+
     def _call(self, name: str, *others: Any) -> Decimal8:
         from wedmcam.decimal8 import functions
 
@@ -223,18 +236,20 @@ class Decimal8(Methods):
         return NotImplemented if exact is None else self.decimal == exact
 
     def __lt__(self, other: Any) -> Any:
-        return self._ordered(other, lambda a, b: a < b)
+        return self._ordered(other, operator.lt)
 
     def __le__(self, other: Any) -> Any:
-        return self._ordered(other, lambda a, b: a <= b)
+        return self._ordered(other, operator.le)
 
     def __gt__(self, other: Any) -> Any:
-        return self._ordered(other, lambda a, b: a > b)
+        return self._ordered(other, operator.gt)
 
     def __ge__(self, other: Any) -> Any:
-        return self._ordered(other, lambda a, b: a >= b)
+        return self._ordered(other, operator.ge)
 
     def _ordered(self, other: Any, holds: Callable[[Any, Any], bool]) -> Any:
+        if type(other) is int and other == 0:
+            return holds(self._m, 0)
         exact = _comparable(other)
         if exact is None:
             return NotImplemented
@@ -249,7 +264,19 @@ class Decimal8(Methods):
     # --- conversion -------------------------------------------------------------------------
 
     def __float__(self) -> float:
-        return float(f"{self._m}e{self.exponent - DIGITS}") if self._m else 0.0
+        return self.scaled(1)
+
+    def scaled(self, factor: int) -> float:
+        """Return the float64 nearest to ``factor`` times this number, rounded once.
+
+        >>> Decimal8("0.1").scaled(25_400)
+        2540.0
+        """
+        m, k = self._m * factor, self._e - DIGITS
+        if m == 0:
+            return 0.0
+        # A quotient of integers is rounded once, and quick where both fit a float.
+        return m / 10**-k if k < 0 else float(m * 10**k)
 
     def __int__(self) -> int:
         return int(self.decimal)

@@ -235,13 +235,11 @@ class Builder:
     def _fits(self, start: XY, end: XY, block: Block, at: XY, keep_start: bool) -> None:
         """Raise where a corner takes more of a block than there is."""
         if not block.turn:
-            u = unit(minus(end, start))
-            d = minus(at, start) if keep_start else minus(end, at)
-            length = float(u[0] * d[0] + u[1] * d[1])
-            if length < -1e-9 * max(1.0, float(size(*d))):
+            (ux, uy), d = minus(end, start), minus(at, start) if keep_start else minus(end, at)
+            length, dx, dy = far(ux, uy), float(d[0]), float(d[1])
+            if float(ux) * dx + float(uy) * dy < -1e-9 * length * max(1.0, math.hypot(dx, dy)):
                 raise Wrong(
-                    f"the corner does not fit: its neighbour, {float(size(*minus(end, start))):.6g}"
-                    " long, is too short"
+                    f"the corner does not fit: its neighbour, {length:.6g} long, is too short"
                 )
             return
         a, b, p = (

@@ -193,7 +193,7 @@ class Numbers:
         """Return a length in um: the nearest float."""
         if isinstance(a.value, float):
             return a.value * factor
-        return float(a.value.decimal * factor) + 0.0
+        return float(a.value.scaled(factor))
 
 
 def _exact(text: str) -> Fraction:

@@ -90,7 +90,7 @@ class Scope:
         Raises:
             Stop: it means nothing, and that was reported.
         """
-        method: Callable[[Node], Value] = getattr(self, f"_{node.kind}")
+        method: Callable[[Node], Value] = getattr(self, f"_{node.kind.lower()}")
         return method(node)
 
     def number(self, node: Node) -> Number:
@@ -144,7 +144,7 @@ class Scope:
             raise Stop from None
 
     def _number(self, node: Node) -> Value:
-        return self._work(node, lambda: self.numbers.literal(node.items[0].text))
+        return self._work(node, lambda: self.numbers.literal(node.text))
 
     def _group(self, node: Node) -> Value:
         return self.value(node.items[0])
@@ -156,7 +156,7 @@ class Scope:
         return Point(self.number(node.items[0]), self.number(node.items[1]))
 
     def _name(self, node: Node) -> Value:
-        name = node.items[0].text
+        name = node.text
         if name in self.names:
             value = self.names[name]
             if value is None:
@@ -173,8 +173,7 @@ class Scope:
         raise Stop
 
     def _member(self, node: Node) -> Value:
-        base = Node("name", node.items[0].start, node.items[0].end, node.items[:1])
-        value = self.value(base)
+        value = self.value(node.items[0])
         axis = node.items[1].text
         if not isinstance(value, Point):
             self.tell("wed-kind", f"{kind_of(value)} has no .{axis}", self.span(node))

@@ -363,7 +363,12 @@ def verify(
     drawing, drawing_name = (b"", "") if against is None else _bytes(against, against_name)
     stage = ""
     try:
-        decoded = _decode(data, name, machine, run, options)
+        if against is not None and machine.gapped:  # the plan says by how much
+            drawn = pipeline.read(drawing, drawing_name, options, run)
+            plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
+        decoded = _decode(data, name, machine, run, options, plan)
+        kind = pipeline.source_format(drawing, drawing_name, options) if drawn else None
+        run.add("decode", _no_gap(decoded, machine, options, kind))
         run.add("decode", _unended(decoded, machine))
         if certificate is not None:
             run.add("certificate", _check_certificate(certificate, data, drawing, machine))
@@ -371,8 +376,9 @@ def verify(
                 x, y = certificate["origin_um"]
                 origin_mm = (x / 1000, y / 1000)
         if against is not None:
-            drawn = pipeline.read(drawing, drawing_name, options, run)
-            plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
+            if drawn is None or plan is None:
+                drawn = pipeline.read(drawing, drawing_name, options, run)
+                plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
             decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm)
             if certificate is not None and _same(certificate, "output", data):
                 run.add("certificate", _check_figures(certificate, verdict, drawing))
@@ -403,6 +409,8 @@ def read_program(
 
     ``entered``: what the operator enters beside a rotation or compensation file, or for G41, G42.
     """
+    from wedmcam.entered import unstated
+
     data, name = _bytes(source, name)
     machine = _reader_machine(data, name, format, profile)
     run = Run()
@@ -413,11 +421,35 @@ def read_program(
             decoded = run("decode", entered.decode(data, machine, name))
     except Refused:
         return None, machine, tuple(run.found)
+    if entered is None or entered.gap_um is None:
+        run.add("decode", unstated(decoded, machine))
     return decoded, machine, tuple(run.found)
 
 
-def _decode(data: bytes, name: str, machine: Machine, run: Run, options: Options) -> Program:
-    return run("decode", pipeline.decode(data, machine, name, options))
+def _decode(
+    data: bytes, name: str, machine: Machine, run: Run, options: Options, plan: Plan | None = None
+) -> Program:
+    return run("decode", pipeline.decode(data, machine, name, options, plan))
+
+
+def _no_gap(
+    decoded: Program, machine: Machine, options: Options, against: str | None
+) -> list[Diagnostic]:
+    """Return what is to be said of a program whose gap nobody stated.
+
+    ``against``: format of the source that it is compared with, if any: a part program says its
+    offsets itself.
+    """
+    from wedmcam.diag import error
+    from wedmcam.entered import unstated
+
+    stated = options.offset_um is not None or options.side is not None or against == "wed"
+    found = [] if stated else unstated(decoded, machine)
+    if against is None or not found:
+        return found
+    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
+    hint = "--offset 0.1mm, the gap that is entered at the controller; --side on for none"
+    return [error("no-gap", what, hint=hint)]
 
 
 def _reader_machine(

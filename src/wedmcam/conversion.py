@@ -18,9 +18,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
-from wedmcam.entered import Entered
-from wedmcam.ir.program import LineTable, Program
+from wedmcam.entered import GAPPED, Entered
+from wedmcam.ir.program import Kind, LineTable, Program
 from wedmcam.machines import Machine
 
 if TYPE_CHECKING:
@@ -131,7 +134,7 @@ def convert(
     )
     written = to if to in TARGETS else api.machine_for(to, profile).format
     entered.check(machine_in.format, written or "")
-    found = list(found_in)
+    found = [d for d in (_gap_asked(d, written or "") for d in found_in) if d is not None]
 
     def ended(data: bytes | None = None, **more: Any) -> Conversion:
         values = {"made": None, "machine": None, "difference": None} | more
@@ -140,7 +143,7 @@ def convert(
         return Conversion(kept, read, machine_in=machine_in, findings=tuple(found), **values)
 
     if to in TARGETS:
-        if read is None:
+        if read is None or has_errors(found):
             return ended()
         other, more = _target(to)(read, machine_in, name or str(source)[:200])
         found += more
@@ -148,9 +151,26 @@ def convert(
     machine = api.machine_for(to, profile)
     if read is None or has_errors(found):
         return ended(machine=machine)
-    data, made, apart, more = between(read, machine_in, machine, entered)
+    senses = None
+    if machine.gapped and machine_in.gapped and not entered.gap_um:
+        from wedmcam.frontends import senses as senses_of
+
+        content = source if isinstance(source, bytes) else Path(source).read_bytes()
+        senses = senses_of(content, machine_in)
+    data, made, apart, more = between(read, machine_in, machine, entered, senses)
     found += more
     return ended(data, machine=machine, made=made, difference=apart)
+
+
+def _gap_asked(d: Diagnostic, written: str) -> Diagnostic | None:
+    """Return a finding of the reader as it is for a conversion: a path needs its gap."""
+    if d.code != "no-gap" or written == "svg":
+        return d
+    if written in GAPPED:
+        return None  # the outline stays one
+    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
+    hint = "--gap 0.1mm --side part, as entered at the controller; --gap 0 for the outline itself"
+    return error("no-gap", what, d.span, hint=hint)
 
 
 def _warned(found: list[Diagnostic]) -> bool:
@@ -168,6 +188,7 @@ def between(
     machine_in: Machine,
     machine: Machine,
     entered: Entered | None = None,
+    senses: NDArray[np.int64] | None = None,
 ) -> tuple[bytes | None, Program | None, Difference | None, list[Diagnostic]]:
     """Return a decoded program as bytes for another machine, proven equal as a step path.
 
@@ -176,6 +197,8 @@ def between(
         machine_in: the profile that it was read with.
         machine: the profile of the other program.
         entered: what the operator enters beside the other program.
+        senses: of an outline that stays one: for each block whether its arc grows (+1) or shrinks
+            (-1) where it is offset outwards, 0 where the file does not say.
 
     Returns:
         The bytes (None where it failed), the program decoded from them, the difference, and what
@@ -192,8 +215,14 @@ def between(
     if carried is None:
         return None, None, None, found
     beside = entered or Entered()
-    stated, more = beside.write(carried, machine)
-    found += more
+    arcs = program.blocks["kind"] == Kind.ARC
+    stated: dict[str, Any] | None
+    if senses is not None and senses[arcs].all():
+        of = senses[carried.blocks["source"]]
+        stated = {"gap_um": 0, "outwards": True, "grown": np.where(of == 0, 1, of)}
+    else:
+        stated, more = beside.write(carried, machine)
+        found += more
     if stated is None:
         return None, None, None, found
     data, more = encoder(machine.format)(carried, machine, **stated)
@@ -274,8 +303,6 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     program (rotation, compensation) for the ZD-065's own. An arc that comes out too far from what
     the first program steps is written in more parts.
     """
-    import numpy as np
-
     from wedmcam import api
     from wedmcam.backends.wed import source
     from wedmcam.judge.difference import difference

@@ -7,11 +7,11 @@ holds outlines, and the table of D numbers says how far beside them the wire run
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from wedmcam.diag import Diagnostic
-from wedmcam.ir.program import Program
+from wedmcam.diag import Diagnostic, Severity, note
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.options import WrongUse
 
@@ -26,14 +26,15 @@ class Entered:
     Attributes:
         copies: of a figure in rotation format, 0 to 99 [S].
         angle: degrees from copy to copy, counter-clockwise.
-        gap_um: of a compensation file, whole um.
+        gap_um: of a compensation or 4B file, whole um; None where nobody said it: what is read
+            then is the outline, and `unstated` says so.
         outwards: True for a part (punch), False for a die.
         d: numbers and offsets of an ISO program that the controller offsets, um.
     """
 
     copies: int = 0
     angle: float = 0.0
-    gap_um: float = 0.0
+    gap_um: float | None = None
     outwards: bool = True
     d: tuple[tuple[int, float], ...] = ()
 
@@ -85,7 +86,7 @@ class Entered:
         if format_ == "rotation":
             return {"copies": self.copies, "step": self.angle}
         if format_ in GAPPED:
-            return {"gap_um": round(self.gap_um), "outwards": self.outwards}
+            return {"gap_um": round(self.gap_um or 0.0), "outwards": self.outwards}
         return {}
 
     def write(
@@ -94,10 +95,32 @@ class Entered:
         """Return what the writer of a format takes of it; None where that cannot be known."""
         if not machine.gapped:
             return {}, []
-        more: dict[str, Any] = {"gap_um": round(self.gap_um), "outwards": self.outwards}
-        if not self.gap_um:
-            return more, []
         from wedmcam.sides import grown
 
-        made, found = grown(program, machine, self.gap_um, self.outwards)
-        return (None if made is None else more | {"grown": made}), found
+        gap = round(self.gap_um or 0.0)
+        said: list[Diagnostic] = []
+        more: dict[str, Any] = {"gap_um": gap, "outwards": self.outwards}
+        if self.gap_um is None:
+            what = "no gap is given: the program states the path of the wire as its outline"
+            hint = "enter a gap of 0 at the controller; --gap 0 says that it is meant"
+            said = [note("no-gap", what, hint=hint)] if _arcs(program) else []
+        made, found = grown(program, machine, gap, self.outwards)
+        if made is not None:
+            return more | {"grown": made}, [*said, *found]
+        if gap:
+            return None, found
+        # With a gap of 0 the path is right all the same.
+        return more, [*said, *(replace(d, severity=Severity.WARNING) for d in found)]
+
+
+def unstated(program: Program, machine: Machine) -> list[Diagnostic]:
+    """Return a note that a program was read without its gap, where that makes a difference."""
+    if machine.format not in GAPPED or not _arcs(program):
+        return []
+    what = "no gap is given: what is shown is the outline; the wire runs beside it by the gap"
+    hint = "wedmcam convert FILE -o path.3b --gap 0.1mm makes the path of it"
+    return [note("no-gap", what, hint=hint)]
+
+
+def _arcs(program: Program) -> bool:
+    return bool((program.blocks["kind"] == Kind.ARC).any())

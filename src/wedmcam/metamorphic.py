@@ -149,7 +149,7 @@ def _image(name: str, drawn: Drawn, options: Options, machine: Machine, wanted: 
         plan = pipeline.plan(drawn, options, run)
         lowered = pipeline.lower(plan, machine, options, run)
         data = pipeline.encode(lowered, machine, run, plan, options)
-        decoded, found = pipeline.decode(data, machine, name, options)
+        decoded, found = pipeline.decode(data, machine, name, options, plan)
         run.add("decode", found)
     except Refused as why:
         return Image(name, False, None, 0, f"{why.stage} refuses it: {_first(run.found)}")

@@ -239,7 +239,7 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     try:
         lowered = lower(made, machine, options, trial)
         data = encode(lowered, machine, trial, made, options)
-        program, _ = decode(data, machine, "program", options)
+        program, _ = decode(data, machine, "program", options, made)
     except Refused:
         run.found += trial.found
         raise
@@ -312,12 +312,9 @@ def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Op
     """
     from wedmcam.backends import encoder
 
-    more = processing(machine, options)
+    more = processing(machine, options, made)
     if machine.gapped:
         from wedmcam.transforms import zd065
-
-        if made.parts:
-            raise WrongUse(f"{machine.format} has one gap for all: cuts here have their own")
 
         run.add("encode", zd065.corners(made, "3b" if machine.format == "4b" else "compact"))
         more["grown"] = zd065.grown(made, program)
@@ -329,30 +326,53 @@ def encode(program: Program, machine: Machine, run: Run, made: Plan, options: Op
     return data
 
 
-def processing(machine: Machine, options: Options) -> dict[str, Any]:
-    """Return what the operator enters beside a file: the gap and its side for compensation."""
+def processing(machine: Machine, options: Options, made: Plan | None = None) -> dict[str, Any]:
+    """Return what the operator enters beside a file: the gap and its side for compensation.
+
+    Args:
+        machine: whose controller asks for it.
+        options: say it, where there is no plan.
+        made: of which the program is, or is to be.
+
+    Raises:
+        WrongUse: no whole um, or cuts of a part program with different offsets.
+    """
     if not machine.gapped:
         return {}
-    gap = options.offset_um or 0.0
+    gap, side = options.offset_um or 0.0, options.effective_side
+    if made is not None:
+        from wedmcam.transforms import zd065
+
+        gaps = zd065.gaps(made)
+        if len(gaps) > 1:
+            several = ", ".join(f"{um / 1000:.4g} mm at {place}" for um, place in gaps)
+            raise WrongUse(
+                f"{machine.format} has one gap for all cuts, and they have different offsets: "
+                f"{several}"
+            )
+        gap, side = gaps[0][0] if gaps else 0.0, made.side
     if abs(gap - round(gap)) > 1e-6:
         raise WrongUse(f"the gap of {machine.format} is whole um, not {gap:g}")
-    return {"gap_um": round(gap), "outwards": options.effective_side is not Side.DIE}
+    return {"gap_um": round(gap), "outwards": side is not Side.DIE}
 
 
 def decode(
-    data: bytes, machine: Machine, file: str, options: Options
+    data: bytes, machine: Machine, file: str, options: Options, made: Plan | None = None
 ) -> tuple[Program, list[Diagnostic]]:
-    """Return the cutting program that a file means to its controller."""
+    """Return the cutting program that a file means to its controller.
+
+    ``made``: the plan that it is of, where there is one.
+    """
     from wedmcam import offsets
     from wedmcam.frontends import decoder
 
     if machine.format == "iso":
         return offsets.decode(data, machine, file, offsets.table_of(options.d, options.offset_um))
 
-    made: tuple[Program, list[Diagnostic]] = decoder(machine.format)(
-        data, machine, file, **processing(machine, options)
+    program: tuple[Program, list[Diagnostic]] = decoder(machine.format)(
+        data, machine, file, **processing(machine, options, made)
     )
-    return made
+    return program
 
 
 def prove(
@@ -372,7 +392,7 @@ def prove(
     from wedmcam import offsets
     from wedmcam.judge.judge import judge
 
-    decoded, found = decode(data, machine, file, offsets.entered(made, machine, options))
+    decoded, found = decode(data, machine, file, offsets.entered(made, machine, options), made)
     # Notes of the reader say how it understood a foreign file; and what the writer warned of (the
     # file needs two loads, say) need not be said twice.
     said = {d.code for d in run.found}

@@ -42,8 +42,16 @@ def test_a_path_becomes_an_outline_and_its_gap(tmp_path):
     assert status(run("convert", path, "-o", outline, "--gap", "0.1")) == 0
     assert status(run("convert", outline, "-o", back, "--gap", "0.1")) == 0
     assert status(run("diff", path, back)) == 0
-    assert status(run("convert", outline, "-o", back)) == 0  # the outline itself
+    assert status(run("convert", outline, "-o", back)) == 1
+    assert status(run("convert", outline, "-o", back, "--gap", "0")) == 0  # the outline itself
     assert status(run("diff", path, back)) == 1
+
+
+def test_compile_says_what_to_enter(tmp_path):
+    cam = [ROOT / "samples" / "cam.dxf", "--offset", "0.1", "--corner", "0.3", "--side", "die"]
+    done = run("compile", *cam, "-o", tmp_path / "a.4b")
+    assert status(done) == 0
+    assert "enter      gap 0.100 mm, die (inwards)" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """A path that becomes an outline and a gap: nested contours alternate, as in a drawing."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from wedmcam import api, conversion
 from wedmcam.entered import Entered
 from wedmcam.ir.program import Kind, LineTable, Program
 from wedmcam.judge.difference import difference
+from wedmcam.options import WrongUse
 
 # Paths of the wire: a hole of R 1.9 within a rounded square, and within nothing.
 HOLE = "B900B0B900GXL1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n"
@@ -125,3 +128,97 @@ def test_where_it_cannot_be_told_it_is_refused(path, why):
     assert any(why in d.message for d in made.findings), [d.message for d in made.findings]
     assert not made.findings[-1].hint or "compile the drawing" in made.findings[-1].hint
     assert outlined(f"{path}DD\n", gap=0).ok
+
+
+def test_an_outline_stays_the_outline_it_was():
+    """4B to compensation data and back: D and DD stay, also where no path would tell them."""
+    rings = "B4000B0B16000B4000DDGYNR1\nD\nB9000B0B9000GXL1\nD\nB4000B0B16000B4000DGYNR1\nDD\n"
+    for text in (rings, rings.replace("DDG", "DXG").replace("DG", "DDG").replace("DXG", "DG")):
+        made = conversion.convert(text.encode(), to="compensation", name="a.4b")
+        assert made.ok, [d.message for d in made.findings]
+        assert not made.findings
+        back = conversion.convert(made.data, to="4b", name="a.zdc")
+        assert back.ok
+        assert arcs(back) == arcs(SimpleNamespace(data=text.encode()))
+
+
+def test_without_a_gap_a_hole_is_a_hole_all_the_same():
+    made = conversion.convert(
+        f"{HOLE}D\nB0B6000B6000GYL4\nD\n{SQUARE}DD\n".encode(), to="4b", name="a.3b"
+    )
+    assert arcs(made) == ["1900DD"] + ["2000D"] * 4
+    assert [d.code for d in made.findings] == ["no-gap"]
+
+
+RING = b"B9900B0B39600B9900DGYNR1\nDD\n"
+
+
+@pytest.mark.parametrize("to", ["3b", "compact", "iso", "dxf", "wed", "rotation"])
+def test_an_outline_without_its_gap_is_no_path(to):
+    made = conversion.convert(RING, to=to, name="a.4b")
+    assert made.data is None
+    assert [d.code for d in made.findings] == ["no-gap"]
+    assert "--gap" in made.findings[0].hint
+    meant = conversion.convert(RING, to=to, name="a.4b", entered=Entered(gap_um=0))
+    assert meant.ok
+    assert "no-gap" not in [d.code for d in meant.findings]
+
+
+def test_an_outline_that_is_only_looked_at_is_named_one():
+    for data, name in ((RING, "a.4b"), (conversion.convert(RING, to="compensation").data, "a.zdc")):
+        assert conversion.convert(data, to="svg", name=name).ok
+        assert [d.code for d in api.read_program(data, name=name)[2]] == ["no-gap"]
+        assert [d.code for d in api.verify(data, name=name).findings] == ["no-gap"]
+    assert not api.read_program(b"B9B0B9B0GXL1\nDD\n", name="a.4b")[2]
+
+
+def test_verify_asks_for_the_gap():
+    drawing = drawn(1)
+    made = api.compile(drawing, to="4b", offset=0.1)
+    proof = api.verify(made.data, against=drawing, name="a.4b", against_name="a.dxf")
+    assert not proof.ok
+    assert "no-gap" in [d.code for d in proof.findings]
+    asked = {"against": drawing, "name": "a.4b", "against_name": "a.dxf"}
+    assert api.verify(made.data, offset=0.1, **asked).ok
+    outline = api.compile(drawing, to="4b", side="on")
+    assert api.verify(outline.data, side="on", **asked).ok
+
+
+PART = b"""contour plate { from (0, 0) line to (30, 0) fillet 3 line to (30, 20) fillet 3
+  line to (0, 20) fillet 3 close fillet 3 }
+contour hole { circle center (15, 10) radius 4 }
+contour hook { from (40, 0) line to (50, 0) arc ccw to (50, 10) center (50, 5) line to (40, 10) }
+cut hole inside%s start (15, 12)
+cut plate outside%s start (-2, 10)
+"""
+
+
+@pytest.mark.parametrize("to", ["4b", "compensation"])
+def test_a_part_program_whose_cuts_have_one_offset(to):
+    own = api.compile(PART % (b" offset 0.1", b" offset 0.1"), to=to, name="a.wed")
+    assert own.ok, [d.message for d in own.findings]
+    asked = api.compile(PART % (b"", b""), to=to, name="a.wed", offset=0.1)
+    assert own.data == asked.data
+    name = {"4b": "x.4b", "compensation": "x.zdc"}[to]
+    against = PART % (b" offset 0.1", b" offset 0.1")
+    assert api.verify(own.data, against=against, name=name, against_name="a.wed").ok
+    other = PART % (b" offset 0.11", b" offset 0.11")
+    assert not api.verify(own.data, against=other, name=name, against_name="a.wed").ok
+
+
+def test_cuts_with_different_offsets_are_refused_with_both():
+    with pytest.raises(WrongUse, match=r"0.1 mm at .*, 0.12 mm at "):
+        api.compile(PART % (b" offset 0.12", b" offset 0.1"), to="4b", name="a.wed")
+    with pytest.raises(WrongUse, match=r"0 mm at .*, 0.1 mm at "):
+        api.compile(
+            PART % (b" offset 0.1", b" offset 0.1") + b"cut hook on\n", to="4b", name="a.wed"
+        )
+
+
+def test_open_cuts_on_either_side_state_their_own_sense():
+    for side, letter in (("left", "DD"), ("right", "D")):
+        text = PART % (b" offset 0.1", b" offset 0.1")
+        text += f"cut hook {side} offset 0.1\n".encode()
+        made = api.compile(text, to="4b", name="a.wed")
+        assert made.ok, [d.message for d in made.findings]
+        assert arcs(made)[-1] == f"5000{letter}"

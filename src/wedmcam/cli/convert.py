@@ -23,12 +23,12 @@ from wedmcam.cli.progress import waiting
 @click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
 @click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99.")
 @click.option("--angle", type=float, default=0.0, help="Degrees from copy to copy.")
-@click.option("--gap", "gap_um", type=LENGTH, default="0", help="Of a compensation file.")
+@click.option("--gap", "gap_um", type=LENGTH, help="Of a compensation or 4B file.")
 @click.option(
     "--side",
     type=click.Choice(["part", "die"]),
     default="part",
-    help="Of a compensation file: part outwards, die inwards.",
+    help="Of such a file: part outwards, die inwards.",
 )
 @ask.d_option
 @click.option("--json", "json_", is_flag=True, help="Summary as JSON on standard output.")
@@ -43,7 +43,7 @@ def convert_command(
     profile: str | None,
     copies: int,
     angle: float,
-    gap_um: float,
+    gap_um: float | None,
     side: str,
     d: tuple[tuple[int, float], ...],
     json_: bool,

@@ -432,6 +432,8 @@ def diff_command(
     if found is None:
         say.say_findings(said, a)
         return 2
+    if not quiet:
+        say.say_findings([d for d in said if d.code == "no-gap"], a)
     if json_:
         say.say_json(api.difference_data(found, a, b))
     elif not quiet:
@@ -670,6 +672,7 @@ def _explain_block(
     if program is None:
         say.say_findings(found, _name(file))
         return 1
+    say.say_findings([d for d in found if d.code == "no-gap"], _name(file))
     if number > len(program.blocks):
         raise click.UsageError(f"{file} has {len(program.blocks)} blocks, there is no {number}")
     for line in explain_block(program, used, data, number):

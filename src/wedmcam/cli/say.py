@@ -146,6 +146,10 @@ def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
 
         pairs = ", ".join(f"{name} = {length}" for name, length in told(made.options.d))
         click.echo(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
+    if made.machine.gapped:
+        side = "die (inwards)" if v.side == "die" else "part (outwards)"
+        gap = f"gap {v.offset_um / 1000:.3f} mm, {side}"
+        click.echo(f"enter      {gap}, at the controller: it offsets arcs itself", err=True)
     if verbose:
         _say_cuts(made)
 

@@ -459,6 +459,12 @@ CODES: dict[str, Code] = {
         "The controller does not take it; an arc would vanish or turn over.",
         "Another gap, or the offset computed in the compiler: --to compact.",
     ),
+    "no-gap": Code(
+        "A program in compensation format or 4B was read or written, and no gap was given.",
+        "It holds the outline; the wire runs beside it by the gap that is entered.",
+        "Give what is entered at the controller: --gap 0.1mm --side part, or --offset for verify; "
+        "--gap 0 for the outline itself.",
+    ),
     "outline-side": Code(
         "From the path of a program alone it cannot be told on which side of an arc the outline "
         "lies.",

@@ -38,3 +38,12 @@ def decoder(format_: str) -> Callable[..., Any]:
 
     decode: Callable[..., Any] = in_frame(import_module(DECODERS[format_]).decode)
     return decode
+
+
+def senses(data: bytes, machine: Any) -> Any:
+    """Return how the arcs of an outline (4B, compensation) go with a gap, a number a block.
+
+    +1: the radius grows where the outline is offset outwards, -1: it shrinks, 0: the file does not
+    say, or the block is no arc.
+    """
+    return import_module(DECODERS[machine.format]).senses(data, machine)

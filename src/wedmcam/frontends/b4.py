@@ -175,6 +175,11 @@ def _joints(
     return angle, TORN_UM / gap_um + room + room[after], joint
 
 
+def senses(data: bytes, machine: Machine) -> Ints:
+    """Return for each block of `decode` +1 for an arc that says D, -1 for DD, 0 for others."""
+    return _fields(data, machine, "")[1]["grows"].astype(np.int64)
+
+
 def stated(data: bytes, machine: Machine) -> dict[str, str]:
     """Return what each arc states beside the fields of 3B, for people, by line:column.
 

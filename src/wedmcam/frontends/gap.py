@@ -74,6 +74,15 @@ def decode(
     return stream.finish(blocks, machine)
 
 
+def senses(data: bytes, machine: Machine) -> NDArray[np.int64]:
+    """Return for each block of `decode` +1 for a convex arc, -1 for a concave one, 0 for others."""
+    figure, _ = read(data, machine, "")
+    program, _ = decode(data, machine, "")
+    out = np.zeros(len(program.blocks), np.int64)
+    out[: len(figure)] = figure["grows"]
+    return out
+
+
 def stated(data: bytes) -> dict[int, str]:
     """Return what each arc states beside x, y and J, for people, by its address.
 

@@ -11,20 +11,23 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, error
 from wedmcam.geom.measure import segments_of
-from wedmcam.geom.segments import end_tangents, start_tangents
-from wedmcam.ir.plan import Plan, Side
+from wedmcam.geom.segments import (
+    distances,
+    end_tangents,
+    points_at,
+    position_of,
+    start_tangents,
+    tangents_at,
+)
+from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Program
 from wedmcam.transforms.doubles import place
+from wedmcam.transforms.outlines.starts import offset_of
 
 #: A joint may tear by this much when its segments are offset, um.
 TORN_UM = 1.0
 #: Joints that are listed one by one.
 LISTED = 10
-
-
-def outwards(side: Side) -> bool:
-    """Return what the operator chooses: True offsets like a punch (part), False like a die."""
-    return side is not Side.DIE
 
 
 def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
@@ -67,6 +70,15 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
     return found
 
 
+def gaps(plan: Plan) -> list[tuple[float, str]]:
+    """Return the offsets of the cuts, um, each with a place where one has it."""
+    found: dict[float, str] = {}
+    for cut in plan.cuts:
+        v = cut.path.vertices
+        found.setdefault(offset_of(plan, cut), f"{place(float(v['x'][0]), float(v['y'][0]))} mm")
+    return sorted(found.items())
+
+
 def grown(plan: Plan, program: Program) -> NDArray[np.int8]:
     """Return for each block whether the offset made an arc larger (+1) or smaller (-1).
 
@@ -75,7 +87,21 @@ def grown(plan: Plan, program: Program) -> NDArray[np.int8]:
     left = {}
     for number, cut in enumerate(plan.cuts, 1):  # as blocks count them: in cutting order
         keeps = cut.keeps_left
-        left[number] = plan.side is Side.RIGHT if keeps is None else keeps
+        left[number] = _outline_left(cut) if keeps is None else keeps
     side = np.array([1 if left.get(n, True) else -1 for n in program.blocks["cut"].tolist()])
     turn = program.blocks["turn"]
     return np.asarray(np.where(turn == 0, 1, turn * side), dtype=np.int8)
+
+
+def _outline_left(cut: Cut) -> bool:
+    """Return whether the outline of an open cut lies to the left of its path."""
+    if cut.outline is None:
+        return True
+    s = segments_of(cut.outline.vertices, cut.outline.closed)
+    path = cut.path.vertices
+    x, y = float(path["x"][0]), float(path["y"][0])
+    k = int(np.argmin(distances(s, np.full(len(s), x), np.full(len(s), y))))
+    at = position_of(s.take(np.array([k])), np.array([x]), np.array([y]))
+    (ux,), (uy,) = tangents_at(s.take(np.array([k])), at)
+    (px,), (py,) = points_at(s.take(np.array([k])), at)
+    return bool(ux * (y - py) - uy * (x - px) < 0)

@@ -49,6 +49,7 @@ def test_a_path_becomes_an_outline_and_its_gap(tmp_path):
 
 def test_compile_says_what_to_enter(tmp_path):
     cam = [ROOT / "samples" / "cam.dxf", "--offset", "0.1", "--corner", "0.3", "--side", "die"]
+    cam += ["--ignore-layer", "START"]
     done = run("compile", *cam, "-o", tmp_path / "a.4b")
     assert status(done) == 0
     assert "enter      gap 0.100 mm, die (inwards)" in done.stderr

@@ -202,3 +202,53 @@ def test_every_option_that_names_no_file_can_stand_there():
 def test_a_folder_is_its_own_folder(shop):
     put(shop, "jobs/inner", "lead = 4")
     assert config(shop, input_="jobs/inner")["settings"]["lead"]["value"] == 4
+
+
+def mirrored(folder):
+    """A 3B profile of a machine whose x runs the other way."""
+    text = (COLUMNS.parent / "b3-compact.toml").read_text("utf-8")
+    (folder / "turned.toml").write_text(text + "\n[axes]\nmirror_x = true\n", "utf-8")
+
+
+def said(shop, *line, status=0):
+    done = wedmcam(*line, cwd=shop / "jobs", env=user(shop))
+    assert done.returncode == status, done.stderr.decode()
+    return done.stdout.decode() + done.stderr.decode()
+
+
+def test_commands_that_read_programs_take_the_profile_of_the_shop(shop):
+    mirrored(shop / "jobs")
+    put(shop, "jobs", "offset = 0.1", 'profile = "turned.toml"')
+    said(shop, "compile", "part.dxf", "-o", "x.3b")
+    line = ("convert", "x.3b", "-o", "x.nc")
+    assert "read as turned" in said(shop, *line)
+    said(shop, "verify", "x.nc", "--against", "part.dxf")
+    assert said(shop, "diff", "x.3b", "x.nc", "--json").count("true") == 1
+    assert "mirror" in said(shop, "dump", "x.3b")
+    assert said(shop, "explain", "x.3b", "--block", "2", "--no-config") != said(
+        shop, "explain", "x.3b", "--block", "2"
+    )
+    # Of the output, where it has its format; what is typed wins.
+    assert "(turned)" in said(shop, "convert", "x.nc", "-o", "y.3b")
+    assert (shop / "jobs" / "y.3b").read_bytes() == (shop / "jobs" / "x.3b").read_bytes()
+    assert "(b3-compact)" in said(shop, "convert", "x.nc", "-o", "z.3b", "--profile", "b3-compact")
+    # Nothing of a part: the shop's offset and gap are no business of a program that is there.
+    put(shop, "jobs", 'gap = "10um"', "wire = 0.2", 'to = "compact"', 'side = "die"')
+    assert "read as" not in said(shop, "convert", "z.3b", "-o", "z.dxf")
+
+
+def test_commands_that_read_programs_take_the_offsets_of_the_controller(shop):
+    said(shop, "compile", "part.dxf", "-o", "x.nc", "--profile", "iso-g41", "--offset", "0.1")
+    said(shop, "dump", "x.nc", status=1)
+    said(shop, "convert", "x.nc", "-o", "x.3b", status=1)
+    put(shop, "jobs", 'd = ["1=0.1mm"]')
+    said(shop, "dump", "x.nc")
+    said(shop, "convert", "x.nc", "-o", "x.3b")
+    said(shop, "diff", "x.nc", "x.3b")
+    said(shop, "convert", "x.nc", "-o", "y.3b", "--no-config", status=1)
+
+
+def test_a_bad_file_keeps_nobody_from_an_explanation(shop):
+    put(shop, "jobs", "ofset = 0.1")
+    assert "settings-key" in said(shop, "explain", "settings-key")
+    assert "settings-key" in said(shop, "dump", "x.3b", status=2)

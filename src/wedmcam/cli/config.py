@@ -31,7 +31,8 @@ def config_command(group: click.Group) -> Configured:
         {settings.NAME} under its long name: beside the input or in a folder above it, or in the
         user's configuration folder. What is nearer wins, and what is typed wins over all. Lengths
         are text with a unit ("0.1mm") or mm; what can be repeated takes a list; a flag takes true
-        or false.
+        or false. Commands that only read programs (convert, diff, dump, explain) take "profile" and
+        "d" of it.
         """,
     )
 

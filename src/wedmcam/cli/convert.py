@@ -12,9 +12,10 @@ from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import LENGTH
 from wedmcam.cli.progress import waiting
+from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_for
 
 
-@click.command("convert")
+@click.command("convert", cls=ReadsPrograms)
 @click.argument("program")
 @click.option("-o", "--output", required=True, help="Where the other program goes; - for stdout.")
 @click.option("--to", metavar="FORMAT", help="Of the output; by default from its name.")
@@ -63,11 +64,12 @@ def convert_command(
     target = to if to in conversion.TARGETS else None if to else conversion.target_of(output)
     machine = None
     if target is None:
+        profile = profile or _set_profile(output, to)
         named = ask.machine_of(profile, None) if profile else None
         machine = ask.machine_of(profile, ask.format_of(output, to, named))
         ask.warn_of_name(output, machine.format)
-    machine_in = ask.machine_of(profile_in, format_) if profile_in or format_ else None
-    check_outputs([program], [output])
+    machine_in = machine_for(program, profile_in, format_)
+    check_outputs([program, *also_read(click.get_current_context())], [output])
     if output == "-" and json_:
         raise click.UsageError("--json and the program cannot both be standard output")
     if output == "-" and machine and machine.binary and sys.stdout.isatty():
@@ -93,10 +95,20 @@ def convert_command(
     else:
         write_outputs([(output, made.data)])
         if not quiet:
-            click.echo(_line(made, output, target), err=True)
+            as_set = machine_in is not None and not (profile_in or format_)
+            read_as = f"; read as {made.machine_in.name}" if as_set else ""
+            click.echo(_line(made, output, target) + read_as, err=True)
     if json_:
         say.say_json(_summary(made, program, output, target))
     return made.status
+
+
+def _set_profile(output: str, to: str | None) -> str | None:
+    """Return the profile that a settings file gives for the format of the output, if any."""
+    from wedmcam.options import FORMAT_OF_SUFFIX
+
+    setting = profile_for(to or FORMAT_OF_SUFFIX.get(Path(output).suffix.lower()))
+    return setting.value if setting else None
 
 
 def _line(made: Any, output: str, target: str | None) -> str:

@@ -24,7 +24,7 @@ from wedmcam.cli.files import (
 from wedmcam.cli.lengths import LENGTH, POINT
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.settings import Configured, also_read, typed
+from wedmcam.cli.settings import Configured, ReadsPrograms, also_read, machine_for, typed
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -388,7 +388,7 @@ def _say_proof(proof: Any, verbose: bool) -> None:
         say.say_figures(proof)
 
 
-@cli.command("diff", short_help="Compare two programs as step paths.")
+@cli.command("diff", cls=ReadsPrograms, short_help="Compare two programs as step paths.")
 @click.argument("a")
 @click.argument("b")
 @click.option("--within", "within_um", type=LENGTH, default="1um", help="As far apart is equal.")
@@ -415,7 +415,7 @@ def diff_command(
     from wedmcam import api
     from wedmcam.cli import say
 
-    machines = [ask.machine_of(p, None) if p else None for p in (profile, profile_b)]
+    machines = (machine_for(a, profile), machine_for(b, profile_b))
     try:
         one, two = read_program(a), read_program(b)
     except Failed as why:
@@ -426,7 +426,7 @@ def diff_command(
             two,
             within_mm=within_um / 1000,
             names=(_name(a), _name(b)),
-            profiles=(machines[0], machines[1]),
+            profiles=machines,
             d=d,
         )
     if found is None:
@@ -581,7 +581,7 @@ def identify_command(file: str, json_: bool) -> int:
     return 1 if seen.format in ("unknown", "empty") else 0
 
 
-@cli.command("dump", short_help="The blocks of a program.")
+@cli.command("dump", cls=ReadsPrograms, short_help="The blocks of a program.")
 @click.argument("file")
 @click.option(
     "--format",
@@ -607,7 +607,7 @@ def dump_command(
     from wedmcam.entered import Entered
     from wedmcam.frontends.dump import stated
 
-    machine = ask.machine_of(profile, format_) if profile or format_ else None
+    machine = machine_for(file, profile, format_)
     data = read_program(file)
     program, used, found = api.read_program(
         data, profile=machine, name=_name(file), entered=Entered(d=d)
@@ -626,7 +626,7 @@ def dump_command(
     return 1 if has_errors(found) else 0
 
 
-@cli.command("explain", short_help="What a diagnostic or a block means.")
+@cli.command("explain", cls=ReadsPrograms, short_help="What a diagnostic or a block means.")
 @click.argument("what", metavar="CODE|FILE", required=False)
 @click.option("--list", "list_", is_flag=True, help="All codes, one a line.")
 @click.option("--block", type=click.IntRange(1), metavar="N", help="Explain this block of FILE.")
@@ -664,7 +664,7 @@ def _explain_block(
     from wedmcam.cli.block import explain_block
     from wedmcam.entered import Entered
 
-    machine = ask.machine_of(profile, None) if profile else None
+    machine = machine_for(file, profile)
     data = read_program(file)
     program, used, found = api.read_program(
         data, profile=machine, name=_name(file), entered=Entered(d=d)

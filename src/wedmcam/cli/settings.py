@@ -23,6 +23,7 @@ from wedmcam.cli.lengths import Length, Point
 if TYPE_CHECKING:
     from wedmcam.cli.batch import How
     from wedmcam.diag import Diagnostic, TextSpan
+    from wedmcam.machines.machine import Machine
 
 NAME = "wedmcam.toml"
 #: Commands whose options can stand in the file.
@@ -372,6 +373,7 @@ def in_force(
         key: option
         for option in command.params
         if (key := key_of(option)) and isinstance(option, click.Option) and option.expose_value
+        if key == "d" or not isinstance(command, ReadsPrograms)
     }
     typed = {key: given[str(o.name)] for key, o in options.items() if is_typed(ctx, o)}
     taken: dict[str, Any] = dict(typed)
@@ -521,8 +523,49 @@ class Configured(click.Command):
         )
 
 
+class ReadsPrograms(Configured):
+    """A command that reads programs and compiles none.
+
+    Of the settings it takes ``d``; the profile is asked for each program (`profile_for`), as a shop
+    has machines of several formats. A command that is given no program takes none.
+    """
+
+    def made(self, ctx: click.Context, folder: Path) -> InForce:
+        """Return what is in force for programs of a folder."""
+        if "block" in ctx.params and ctx.params["block"] is None:  # explain CODE
+            return InForce(params=dict(ctx.params))
+        return super().made(ctx, folder)
+
+
+def profile_for(format_: str | None) -> Setting | None:
+    """Return the nearest setting of a profile that is for a format; for any where it is None."""
+    from wedmcam.cli import asked as ask
+
+    made: InForce = click.get_current_context().meta[META]
+    for file in made.files:
+        setting = file.settings.get("profile")
+        if setting and format_ in (None, ask.machine_of(setting.value, None).format):
+            return setting
+    return None
+
+
+def machine_for(program: str, profile: str | None, format_: str | None = None) -> Machine | None:
+    """Return the machine to read a program with: as typed, else as set for its format, else None.
+
+    Raises:
+        WrongUse: no such profile, or one of another format.
+    """
+    from wedmcam.cli import asked as ask
+
+    if profile or format_:
+        return ask.machine_of(profile, format_)
+    setting = profile_for(_format_of_program({"program": program}) or "none")
+    return ask.machine_of(setting.value, None) if setting else None
+
+
 def _input(params: Mapping[str, Any]) -> str | None:
-    name = params.get("input_") or params.get("against") or params.get("program")
+    names = ("input_", "against", "program", "file", "a", "what")
+    name = next((params[k] for k in names if params.get(k)), None)
     return name if isinstance(name, str) else None
 
 

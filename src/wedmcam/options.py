@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from wedmcam.diag import option_texts
 from wedmcam.ir.plan import Order, Side
 
 #: File name endings of programs, and the format each means.
@@ -125,6 +126,14 @@ class Options:
         if self.side is not None:
             return self.side
         return Side.PART if self.offset_um else Side.ON
+
+    @property
+    def texts(self) -> dict[str, str | bytes]:
+        """What the options say in the part language, by the names that places of findings have."""
+        return {
+            **option_texts("--transform", self.transforms),
+            **option_texts("-D", self.defines),
+        }
 
     def as_data(self) -> dict[str, Any]:
         """Return the options as plain data for the certificate; defaults are left out."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
-from wedmcam.diag import Diagnostic, Severity, has_errors, note
+from wedmcam.diag import Diagnostic, Severity, has_errors, note, option_texts
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan, Side
 from wedmcam.ir.program import Axis, LineTable, Program
@@ -146,11 +146,8 @@ def _transforms(options: Options, run: Run) -> list[Any]:
         return []
     from wedmcam.frontends.wed import parse_transform
 
-    texts = options.transforms
-    names = [
-        "--transform" if len(texts) == 1 else f"--transform {k + 1}" for k in range(len(texts))
-    ]
-    parsed = [parse_transform(text, name) for text, name in zip(texts, names, strict=True)]
+    texts = option_texts("--transform", options.transforms)
+    parsed = [parse_transform(text, name) for name, text in texts.items()]
     run.add("transform", [d for _, found in parsed for d in found])
     return [t for t, _ in parsed if t is not None]
 

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from test_cli import wedmcam as wedmcam_command
 
 import wedmcam
 from drawings import drawing
@@ -116,3 +117,15 @@ def test_paths_of_other_segments_are_compared_by_distance():
     more = box((0, 0), (4_000, 0.5), (9_000, 0), (9_000, 5_000), (0, 5_000))
     assert _apart([plain], [more]) == pytest.approx(0.5)
     assert _apart([plain], [plain]) == 0
+
+
+def test_findings_of_a_transform_show_what_was_typed():
+    """Once the first line of the drawing stood there, with a mark under it."""
+    part = str(SAMPLES / "washer.wed")
+    said = wedmcam_command("check", part, "-D", "bore=b", "-D", "size=12").stderr.decode()
+    assert "-D 1:1:6: error[unknown-name]" in said
+    assert "    1 | bore=b\n      |      ^" in said
+    more = ("--transform", "translate (1, 2)", "--transform", "mirror 46")
+    said = wedmcam_command("check", part, *more).stderr.decode()
+    assert "--transform 2:1:8: error[wed-value]" in said
+    assert "    1 | mirror 46\n      |        ^~" in said

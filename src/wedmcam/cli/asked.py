@@ -246,7 +246,7 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
     except UnicodeDecodeError:
         raise WrongUse(f"{profile}: not UTF-8") from None
     machine, found = machines.of_file(text, profile)
-    say_findings(found, profile, text=text)
+    say_findings(found, profile, texts={profile: text})
     if machine is None:
         raise WrongUse(f"{profile}: this profile cannot be used")
     return api.machine_for(to, machine)

@@ -189,7 +189,8 @@ def _compiled(
         made = api.compile(
             data, profile=machine, name=_name(input_), output_name=output, options=options
         )
-    say.say_findings(made.findings, _name(input_), asked["quiet"], data)
+    texts: dict[str, str | bytes] = {_name(input_): data, **options.texts}
+    say.say_findings(made.findings, _name(input_), asked["quiet"], texts)
     if not made.ok and asked["json_"] and output:
         say.say_json(made.summary)
     apart = {}
@@ -315,7 +316,10 @@ def verify_command(
             raise click.UsageError("--metamorphic compiles the drawing: give --against INPUT")
         with waiting("compiling images"):
             proof = api.with_images(proof, drawing, against, options)
-    say.say_findings(proof.findings, _name(program), asked["quiet"])
+    texts: dict[str, str | bytes] = (
+        {} if against is None or drawing is None else {against: drawing, **options.texts}
+    )
+    say.say_findings(proof.findings, _name(program), asked["quiet"], texts)
     files = []
     if certificate is not None and issued is None and proof.ok:
         files.append((certificate, say.certificate_bytes(proof.summary)))
@@ -472,7 +476,8 @@ def inspect_command(input_: str, **asked: Any) -> int:
     data = read_input(input_)
     with waiting(f"inspecting {_name(input_)}"):
         seen = api.inspect(data, name=_name(input_), options=options)
-    say.say_findings(seen.findings, _name(input_), asked["quiet"])
+    texts: dict[str, str | bytes] = {_name(input_): data, **options.texts}
+    say.say_findings(seen.findings, _name(input_), asked["quiet"], texts)
     if asked["json_"]:
         say.say_json(seen.facts)
     elif seen.drawn is not None:
@@ -521,7 +526,8 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
             made = api.inspect(data, name=name, options=options)
         else:
             made = api.compile(data, profile=machine, name=name, options=options)
-    say.say_findings(made.findings, _name(input_), asked["quiet"])
+    texts: dict[str, str | bytes] = {} if is_program else {name: data, **options.texts}
+    say.say_findings(made.findings, name, asked["quiet"], texts)
     if getattr(made, "program", None) is None and getattr(made, "drawn", None) is None:
         return int(made.status)
     if Path(output).suffix.lower() != ".dxf":

@@ -54,7 +54,7 @@ def profile_show(name: str, json_: bool) -> int:
     from wedmcam.machines.printed import as_toml, entries
 
     machine, found, text = _read(name)
-    say.say_findings(found, name, text=text)
+    say.say_findings(found, name, texts={name: text})
     if machine is None:
         return 2
     if not json_:
@@ -75,7 +75,7 @@ def profile_check(file: str, json_: bool) -> int:
     from wedmcam.cli import say
 
     machine, found, text = _read(file)
-    say.say_findings(found, file, text=text)
+    say.say_findings(found, file, texts={file: text})
     if json_:
         from wedmcam.judge.certificate import finding_data
 
@@ -112,7 +112,7 @@ def _probe_written(output: str, profile: str) -> int:
     from wedmcam.options import WrongUse
 
     machine, found, text = _read(profile)
-    say.say_findings(found, profile, text=text)
+    say.say_findings(found, profile, texts={profile: text})
     if machine is None:
         return 2
     if machine.format != "3b":
@@ -153,7 +153,7 @@ def _probe_read(name: str) -> int:
     text = read_input(name).decode("utf-8", "replace")
     readings, found = probe.read_sheet(text, name)
     told, more = probe.answers(readings, name)
-    say.say_findings([*found, *more], name, text=text)
+    say.say_findings([*found, *more], name, texts={name: text})
     if told or readings.moved:
         click.echo("# Of a profile: start one with `wedmcam profile show b3-compact`.")
         click.echo(probe.toml(told, readings.moved), nl=False)

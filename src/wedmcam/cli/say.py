@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -27,17 +27,27 @@ def say_findings(
     found: Collection[Diagnostic],
     file: str = "",
     quiet: bool = False,
-    text: str | bytes | None = None,
+    texts: Mapping[str, str | bytes | None] | None = None,
 ) -> None:
-    """Print findings; ``quiet`` leaves notes out. With ``text``, the lines that they point to."""
-    if isinstance(text, bytes):
-        lines = any(isinstance(d.span, TextSpan) for d in found)
-        text = text.decode("utf-8-sig", "replace") if lines else None
+    """Print findings; ``quiet`` leaves notes out.
+
+    Args:
+        found: the findings.
+        file: stands where a finding has no place of its own.
+        quiet: leave notes out.
+        texts: name -> text of what was read: the lines that findings point to are shown.
+    """
     from wedmcam.diag.render import merged, render
 
+    shown: dict[str, str] = {}
     for d in merged(found):
-        if not (quiet and d.severity is Severity.NOTE):
-            click.echo(render(d, file, coloured(), text), err=True)
+        if quiet and d.severity is Severity.NOTE:
+            continue
+        name = d.span.file if isinstance(d.span, TextSpan) else ""
+        text = texts.get(name) if texts and name not in shown else None
+        if text is not None:
+            shown[name] = text if isinstance(text, str) else text.decode("utf-8-sig", "replace")
+        click.echo(render(d, file, coloured(), shown.get(name)), err=True)
 
 
 def say_error(message: str, hint: str = "") -> None:

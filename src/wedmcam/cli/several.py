@@ -51,12 +51,13 @@ def compile_several(
     )
     ask.check_source(input_, asked["from_"])
     name = "stdin" if input_ == "-" else input_
+    options = ask.options_of(asked)
     data = read_input(input_)
     with waiting(f"compiling {name}"):
         made = several.compile_several(
-            data, machines, name=name, output_names=names, options=ask.options_of(asked)
+            data, machines, name=name, output_names=names, options=options
         )
-    say.say_findings(made.findings, name, asked["quiet"])
+    say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
     if not made.ok:
         click.echo("nothing was written", err=True)
         return made.status

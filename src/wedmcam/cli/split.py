@@ -41,7 +41,7 @@ def compile_split(
     several = len(loads) > 1
     files: list[tuple[str, bytes]] = []
     for k, made in enumerate(loads, 1):
-        say.say_findings(made.findings, name, asked["quiet"])
+        say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
         if not made.ok:
             click.echo("nothing was written", err=True)
             if asked["json_"]:

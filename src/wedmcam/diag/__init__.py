@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from wedmcam.diag.codes import CODES, Code
 from wedmcam.diag.finding import Diagnostic, Severity, error, has_errors, note, warning
-from wedmcam.diag.span import ByteSpan, EntityRef, FileSpan, Span, TextSpan
+from wedmcam.diag.span import ByteSpan, EntityRef, FileSpan, Span, TextSpan, option_texts
 
 __all__ = [
     "CODES",
@@ -24,5 +24,6 @@ __all__ = [
     "error",
     "has_errors",
     "note",
+    "option_texts",
     "warning",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -70,3 +71,14 @@ class FileSpan:
 
 
 Span = TextSpan | EntityRef | ByteSpan | FileSpan
+
+
+def option_texts(option: str, texts: Sequence[str]) -> dict[str, str]:
+    """Return name -> text of what an option that may be repeated says: places name it by that.
+
+    >>> option_texts("-D", ["a=1", "b=2"])
+    {'-D 1': 'a=1', '-D 2': 'b=2'}
+    """
+    if len(texts) == 1:
+        return {option: texts[0]}
+    return {f"{option} {k}": text for k, text in enumerate(texts, 1)}

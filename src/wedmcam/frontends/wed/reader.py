@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Sequence
 
-from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, warning
+from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, option_texts, warning
 from wedmcam.frontends.wed.blocks import SAME_UM, Builder, Chain, minus, size
 from wedmcam.frontends.wed.chunks import RESERVED, Piece, Source, pieces
 from wedmcam.frontends.wed.grammar import Node, parsed
@@ -165,10 +165,10 @@ class _Reader:
 
     def _defines(self, texts: Sequence[str]) -> dict[str, tuple[Value | None, TextSpan]]:
         out: dict[str, tuple[Value | None, TextSpan]] = {}
-        for text in texts:
+        for place, text in option_texts("-D", texts).items():
             name, equals, value = text.partition("=")
             name = name.strip()
-            source = Source(text, "-D")
+            source = Source(text, place)
             if not equals or not name.isidentifier():
                 self.scope.found.append(
                     error("wed-syntax", f"'{text}' is no NAME=VALUE", source.span(0, len(text)))

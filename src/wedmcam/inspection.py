@@ -28,7 +28,7 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
     """
     info = drawn.sketch.info
     contours = drawn.contours
-    boxes = np.array([measure.extents(c.vertices, c.closed) for c in contours]).reshape(-1, 4)
+    boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     closed = [c for c in contours if c.closed]
     facts: dict[str, Any] = {

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from parts import random_part
 from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour, vertices
 
@@ -108,3 +109,13 @@ def test_contains_level_with_vertices_and_apexes(turn):
 def test_contains_a_concave_arc():
     got = measure.contains(BITTEN, np.array([4.0, 6.0, 9.9, 9.0]), np.array([5.0, 5.0, 5.0, 0.05]))
     assert got.tolist() == [True, False, False, True]
+
+
+def test_extents_of_many_are_those_of_each():
+    some = [c for seed in range(40) for c in random_part(seed)]
+    some.append(Contour(some[0].vertices[:3], False))
+    each = [measure.extents(c.vertices, c.closed) for c in some]
+    both = [(c.vertices, c.closed) for c in some]
+    assert measure.extents_of_all(both).tolist() == [list(e) for e in each]
+    segments, starts = measure.segments_of_all(both)
+    assert np.diff(starts, append=len(segments)).tolist() == [len(c) for c in some]

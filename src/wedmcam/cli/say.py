@@ -196,9 +196,8 @@ def say_arithmetic(apart: dict[str, Any]) -> None:
 def _size(drawn: Any) -> str:
     from wedmcam.geom import measure
 
-    boxes = [measure.extents(c.vertices, c.closed) for c in drawn.contours]
-    width = max(b[2] for b in boxes) - min(b[0] for b in boxes)
-    height = max(b[3] for b in boxes) - min(b[1] for b in boxes)
+    boxes = measure.extents_of_all([(c.vertices, c.closed) for c in drawn.contours])
+    width, height = boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)
     return f"{width / 1000:.3f} x {height / 1000:.3f} mm"
 
 

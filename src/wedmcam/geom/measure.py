@@ -7,6 +7,8 @@ whether it is closed. All are array operations over the rows.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,6 +36,27 @@ def segments_of(rows: Rows, closed: bool) -> Segments:
     if closed:
         return of_rows(rows, following(rows))
     return of_rows(rows[:-1], rows[1:])
+
+
+def segments_of_all(
+    contours: Sequence[tuple[Rows, bool]],
+) -> tuple[Segments, NDArray[np.intp]]:
+    """Return the segments of several contours as columns, and where those of each begin.
+
+    Args:
+        contours: rows, and whether they are closed; each has a segment or more.
+    """
+    rows = np.concatenate([rows for rows, _ in contours])
+    closed = np.array([closed for _, closed in contours])
+    length = np.array([len(rows) for rows, _ in contours])
+    first = np.cumsum(length) - length
+    ends = np.arange(1, len(rows) + 1)
+    ends[first + length - 1] = first  # round, where a contour is closed
+    opens = np.ones(len(rows), np.bool_)
+    opens[(first + length - 1)[~closed]] = False
+    count = length - ~closed
+    assert count.all(), "a contour without a segment"
+    return of_rows(rows[opens], rows[ends[opens]]), np.cumsum(count) - count
 
 
 def segment_areas(s: Segments, origin: tuple[Floats | float, Floats | float]) -> Floats:
@@ -73,6 +96,14 @@ def extents(rows: Rows, closed: bool) -> Box:
     """Return (xmin, ymin, xmax, ymax) of a contour, um; the bellies of arcs count."""
     xmin, ymin, xmax, ymax = boxes(segments_of(rows, closed))
     return float(xmin.min()), float(ymin.min()), float(xmax.max()), float(ymax.max())
+
+
+def extents_of_all(contours: Sequence[tuple[Rows, bool]]) -> Floats:
+    """Return xmin, ymin, xmax, ymax of each contour, um, shape (n, 4)."""
+    segments, starts = segments_of_all(contours)
+    xmin, ymin, xmax, ymax = boxes(segments)
+    lows = [np.minimum.reduceat(v, starts) for v in (xmin, ymin)]
+    return np.column_stack([*lows, *(np.maximum.reduceat(v, starts) for v in (xmax, ymax))])
 
 
 def point_at(rows: Rows, closed: bool, at_um: float) -> tuple[float, float, int]:

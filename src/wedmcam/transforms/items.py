@@ -127,9 +127,11 @@ def plan(
         return None, found
     made: list[tuple[int, Cut]] = []
     parts: list[Plan] = []
+    depths: list[int] = []
     base = 0
     for scene in scenes:
         nesting = nest([p.contour for p in scene])
+        depths += nesting.depths
         lanes, problems = _lanes(scene, nesting, cuts, options, ar)
         found += problems
         if lanes is None or has_errors(problems):
@@ -149,14 +151,13 @@ def plan(
     offset = max((abs(p.shift) for p in pieces), default=0.0)
     words = {w.item.side for w in cuts}
     outlines = tuple(p.contour for scene in scenes for p in scene)
-    depths = tuple(d for scene in scenes for d in nest([p.contour for p in scene]).depths)
     if len(words) == 1 and (word := words.pop()) in ("left", "right", "on"):
         side = Side(word)
     elif parts:
         side = sides.pop() if len(sides) == 1 else Side.PART
     else:
         side = Side.LEFT if all(p.shift >= 0 for p in pieces) else Side.RIGHT
-    return Plan(every, outlines, depths, side, offset, parts=tuple(parts)), found
+    return Plan(every, outlines, tuple(depths), side, offset, parts=tuple(parts)), found
 
 
 def _pieces(
@@ -272,7 +273,7 @@ def _scenes(pieces: Sequence[_Piece]) -> tuple[list[list[_Piece]], list[Diagnost
 def _once(pieces: Sequence[_Piece]) -> list[Contour]:
     """Return the contours, of equal ones (a punch and its die) the first: others must not cross."""
     contours = [p.contour for p in pieces]
-    boxes = np.array([measure.extents(c.vertices, c.closed) for c in contours])
+    boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
     return [
         c
         for k, c in enumerate(contours)

@@ -62,7 +62,7 @@ def nest(contours: Sequence[Contour]) -> Nesting:
     n = len(contours)
     if n < 2:
         return Nesting(tuple(contours), (0,) * n, (-1,) * n)
-    extents = np.array([measure.extents(c.vertices, c.closed) for c in contours])
+    extents = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
     closed = np.array([c.closed for c in contours])
     box = (extents[:, 0], extents[:, 1], extents[:, 2], extents[:, 3])
     outer = np.flatnonzero(closed)
@@ -97,15 +97,15 @@ def nest(contours: Sequence[Contour]) -> Nesting:
 
 def _probes(contours: Sequence[Contour]) -> Floats:
     """Return `PROBES` points of each contour, half-way along segments spread over it."""
-    out = np.empty((len(contours), PROBES, 2))
-    for i, contour in enumerate(contours):
-        s = measure.segments_of(contour.vertices, contour.closed)
-        rows = (np.arange(PROBES) * len(s)) // PROBES
-        # A contour of one segment is asked at three places of that segment all the same.
-        share = np.where(len(s) >= PROBES, 0.5, (np.arange(PROBES) + 0.5) / PROBES)
-        chosen = s.take(rows)
-        out[i, :, 0], out[i, :, 1] = points_at(chosen, share * chosen.length)
-    return out
+    segments, starts = measure.segments_of_all([(c.vertices, c.closed) for c in contours])
+    counts = np.diff(starts, append=len(segments))[:, None]
+    probe = np.arange(PROBES)
+    rows = starts[:, None] + probe * counts // PROBES
+    # A contour of one segment is asked at three places of that segment all the same.
+    share = np.where(counts >= PROBES, 0.5, (probe + 0.5) / PROBES)
+    chosen = segments.take(rows.ravel())
+    x, y = points_at(chosen, share.ravel() * chosen.length)
+    return np.stack([x, y], axis=-1).reshape(len(contours), PROBES, 2)
 
 
 def _inside(contour: Contour, ring: Contour) -> bool:

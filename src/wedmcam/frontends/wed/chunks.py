@@ -115,6 +115,8 @@ def _trimmed(text: str, start: int, end: int) -> tuple[int, int]:
     """Return a stretch without white space and comments at its ends."""
     found = _BLANK.match(text, start, end)
     first = found.end() if found else start
+    if "#" not in (piece := text[first:end]):
+        return first, first + len(piece.rstrip())
     last = first
     for m in _LAST.finditer(text, first, end):
         if not (m[0][0] == "#" or m[0].isspace()):

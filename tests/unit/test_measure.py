@@ -113,7 +113,7 @@ def test_contains_a_concave_arc():
 
 def test_extents_of_many_are_those_of_each():
     some = [c for seed in range(40) for c in random_part(seed)]
-    some.append(Contour(some[0].vertices[:3], False))
+    some += [Contour(BITTEN, False), Contour(BITTEN[2:], False)]
     each = [measure.extents(c.vertices, c.closed) for c in some]
     both = [(c.vertices, c.closed) for c in some]
     assert measure.extents_of_all(both).tolist() == [list(e) for e in each]

@@ -77,24 +77,27 @@ class _Gaps:
         """Read all gaps that hold more than blanks."""
         codes = self.plain.codes
         total = len(records.start)
-        start, end = records.start, records.end
+        gaps = np.flatnonzero(records.inked)
+        lows = np.concatenate([[0], records.end])[gaps]
+        highs = np.concatenate([records.start, [len(codes)]])[gaps]
         resume = 0  # where the last comment that held records ended
         usual = _USUAL_GAP.fullmatch
-        for gap in np.flatnonzero(records.inked).tolist():
-            low = max(int(end[gap - 1]) if gap else 0, resume)
-            high = int(start[gap]) if gap < total else len(codes)
+        for gap, low, high in zip(gaps.tolist(), lows.tolist(), highs.tolist(), strict=True):
+            if low < resume:
+                low = resume
             if high <= low:
                 continue
             if match := usual(codes, low, high):
-                if match.start(1) < 0:
+                at = match.start(1)
+                if at < 0:
                     continue
                 if gap:  # coordinates belong to a record
-                    self.coordinates.append(match.start(1))
+                    self.coordinates.append(at)
                     continue
             if self._gap(low, high, gap < total):
                 stop = codes.find(b"\n", high)
                 resume = stop if stop >= 0 else len(codes)
-                self.dropped.append((gap, int(np.searchsorted(start, resume))))
+                self.dropped.append((gap, int(np.searchsorted(records.start, resume))))
 
     def _gap(self, low: int, high: int, record_follows: bool) -> bool:
         """Read one gap; return whether the record behind it stands in a comment."""

@@ -1,6 +1,6 @@
 # Everything sets itself up from nothing but Python 3.11 or later: its own virtual environment in
 # .venv, versions pinned in requirements.txt.
-.PHONY: help setup demo test lint bench docs golden clean
+.PHONY: help setup demo test hunt lint bench docs golden clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -19,6 +19,7 @@ endif
 help:
 	@echo "make demo    compile, prove and draw a sample"
 	@echo "make test    run the tests"
+	@echo "make hunt    run the property tests on new random examples"
 	@echo "make lint    ruff and mypy"
 	@echo "make bench   measure, as ratios side by side"
 	@echo "make docs    write the reference pages anew (docs/codes.md, docs/profiles.md)"
@@ -44,6 +45,9 @@ demo: $(READY)
 
 test: $(READY)
 	$(BIN)/python -m pytest -n 2
+
+hunt: $(READY)
+	HYPOTHESIS_PROFILE=hunt $(BIN)/python -m pytest -n 2 tests/property
 
 lint: $(READY)
 	$(BIN)/ruff check .

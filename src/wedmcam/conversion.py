@@ -265,6 +265,10 @@ def _span_of(program: Program, block: int) -> Any:
     return program.spans[block - 1] if 0 < block <= len(program.spans) else None
 
 
+def _no_words(what: str, span: Any) -> Diagnostic:
+    return error("not-in-format", what, span, hint="convert to .dxf, which takes any path")
+
+
 def rules_of(machine: Machine) -> Any:
     """Return what a machine's format asks of the blocks of a program."""
     from wedmcam import pipeline
@@ -304,20 +308,25 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     the first program steps is written in more parts.
     """
     from wedmcam import api
-    from wedmcam.backends.wed import source
+    from wedmcam.backends.wed import hindrance, source, trimmed
     from wedmcam.judge.difference import difference
 
     own = machine
     if machine.format in ("rotation", "compensation"):
         own = api.machine_for("compact", None)
     tables = LineTable(machine.table), LineTable(own.table)
+    program, left_out = trimmed(program)
     pieces = np.ones(len(program.blocks), np.int64)
     for last in (False,) * TRIES + (True,):
         data, found = source(program, machine, name, pieces)
+        found = [*left_out, *found]
         if has_errors(found):
             return b"", found
         made = api.compile(data, profile=own, name=f"{Path(name).name}.wed")
+        reason = hindrance(program, machine)
         if not made.ok or made.program is None:
+            if reason is not None:
+                return b"", [*found, _no_words(*reason)]
             why = next(d for d in made.findings if d.severity is Severity.ERROR)
             text = f"the part program made of this program does not compile: {why.message}"
             hint = "convert to .dxf, which takes any path"
@@ -327,6 +336,8 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
             return data, found
         i = apart.block_a - 1
         if last or not program.blocks["turn"][i] or pieces[i] >= MOST_PIECES:
+            if reason is not None:
+                return b"", [*found, _no_words(*reason)]
             return b"", [*found, _differs("part", program, apart)]
         pieces[i] *= 2
     raise AssertionError  # the last try returns

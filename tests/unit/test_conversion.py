@@ -123,3 +123,48 @@ def test_command(tmp_path, monkeypatch):
     assert run(cli, ["convert", "no.3b", "-o", "b.zd"], standalone_mode=False).return_value == 1
     assert not Path("b.zd").exists()
     assert machines.default("compact").binary
+
+
+HOLE = "B900B0B900GXL1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n"
+
+
+def part_of(text, format="3b"):
+    data = text if isinstance(text, bytes) else f"{text}DD\n".encode()
+    return conversion.convert(data, to="wed", format=format)
+
+
+def test_a_part_program_keeps_the_defaults_of_a_shop_out():
+    from wedmcam import api
+
+    made = part_of(HOLE)
+    assert b"cut path1 on start (0, 0) enter (0.9, 0) stop 0 overcut 0 corner 0" in made.data
+    plain = api.compile(made.data, name="a.wed")
+    asked = api.compile(made.data, name="a.wed", stop=1.0, overcut=0.5, corner=0.3)
+    assert plain.data == asked.data
+    bent = part_of("B2000B0B2000GXL1\nB0B2000B2000GYL2\n")
+    assert api.compile(bent.data, name="a.wed", corner=0.3).data == bent_path()
+
+
+def bent_path():
+    return b"B2000B0B2000GXL1\nB0B2000B2000GYL2\nDD\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said", "line"),
+    [
+        (f"D\nB5000B0B5000GXL1\nD\n{HOLE}", "begins with a move", 2),
+        (f"{HOLE}D\nB5000B0B5000GXL1\nD\n", "ends with a move", 5),
+    ],
+)
+def test_moves_outside_the_cuts_are_left_out_of_a_part_program(text, said, line):
+    made = part_of(text)
+    assert made.ok, [d.message for d in made.findings]
+    assert codes(made) == ["not-carried"]
+    assert said in made.findings[0].message
+    assert made.findings[0].span.line == line
+
+
+def test_what_a_part_program_has_no_words_for_is_named():
+    twice = part_of("B900B0B900GXL1\nB1900B0B7600GYNR1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n")
+    assert codes(twice) == ["not-in-format"]
+    assert "block 3 goes on without a pause" in twice.findings[0].message

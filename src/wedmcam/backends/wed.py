@@ -11,6 +11,7 @@ again; whether it did is proven by who asked for it (``conversion``).
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import PurePath
 
 import numpy as np
@@ -93,6 +94,63 @@ def source(
     return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), found
 
 
+def trimmed(program: Program) -> tuple[Program, list[Diagnostic]]:
+    """Return a program from its first cut to its last, and what moves that leaves out."""
+    kinds = program.blocks["kind"]
+    cuts = np.flatnonzero(kinds < Kind.MOVE)
+    moves = np.flatnonzero(kinds == Kind.MOVE)
+    if not len(cuts):
+        return program, []
+    found = []
+    for rows, what in (
+        (moves[moves < cuts[0]], "begins with a move; the part program starts where it ends"),
+        (moves[moves > cuts[-1]], "ends with a move; the part program ends where it starts"),
+    ):
+        if len(rows):
+            text = f"the program {what}: moves go from cut to cut in the part language"
+            found.append(warning("not-carried", text, _span(program, int(rows[0]))))
+    if not found:
+        return program, []
+    first = int(cuts[0]) if (moves < cuts[0]).any() else 0
+    last = int(cuts[-1]) + 1 if (moves > cuts[-1]).any() else len(kinds)
+    keep = np.arange(len(kinds))
+    keep = keep[(keep >= first) & ((keep < last) | (kinds >= Kind.STOP))]
+    number = {int(old): new for new, old in enumerate(keep)}
+    spans = [program.spans[i] for i in keep.tolist()] if len(program.spans) == len(kinds) else ()
+    words = tuple((number[i], word) for i, word in program.words if i in number)
+    return replace(program, blocks=program.blocks[keep], spans=spans, words=words), found
+
+
+def hindrance(program: Program, machine: Machine) -> tuple[str, Span | None] | None:
+    """Return what of a program the part language has no words for, and where; None for nothing."""
+    blocks = program.blocks
+    motion = run(blocks, LineTable(machine.table))
+    ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)])
+    starts = ends - np.column_stack([motion.dx, motion.dy])
+    move = (blocks["kind"] == Kind.MOVE) & (motion.steps > 0)
+    both = np.flatnonzero(move[:-1] & move[1:])
+    way = ends - starts
+    bend = way[both, 0] * way[both + 1, 1] - way[both, 1] * way[both + 1, 0]
+    size = np.hypot(*way[both].T) + np.hypot(*way[both + 1].T)
+    for i in both[np.abs(bend) > 2 * size].tolist():
+        what = (
+            f"blocks {i + 1} and {i + 2} move round a corner, and the part language moves "
+            "straight from thread point to thread point"
+        )
+        return what, _span(program, i)
+    for one in stretches(blocks, starts, ends):
+        for path in (one.path, np.concatenate([one.lead_in, one.path, one.overcut, one.lead_out])):
+            again = (ends[path[:-1]] == starts[path[0]]).all(axis=1)
+            if again.any():
+                i = int(path[int(np.argmax(again)) + 1])
+                what = (
+                    f"block {i + 1} goes on without a pause where its contour is closed already, "
+                    "and a 'cut' runs round once"
+                )
+                return what, _span(program, i)
+    return None
+
+
 def _span(program: Program, i: int) -> Span | None:
     return program.spans[i] if i < len(program.spans) else None
 
@@ -171,7 +229,11 @@ class _Text:
         if led or (closed and len(path) == 1):
             cut += f" enter {self.at(home)}"
         stop, lost = self._stop(one, path, closed)
-        cut += stop
+        # What a shop has as defaults is not what this program does: all of it is said.
+        cut += stop or (" stop 0" if closed else "")
+        if closed and not len(over):
+            cut += " overcut 0"
+        cut += " corner 0"
         if len(over):
             cut += f" overcut {self._mm(float(self.length[over[: len(over) // 2]].sum()))}"
         return lines, cut, lost

@@ -90,3 +90,13 @@ def test_compile_and_plot_write_dxf(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert run(cli, ["diff", program, str(tmp_path / "q.3b"), "--within", "2um"]).exit_code == 0
     assert run(cli, ["plot", sample, "--contours", "-o", other]).exit_code == 2
+
+
+def test_pauses_between_contours_are_drawn(tmp_path: Path) -> None:
+    """Of two pauses before a move one threads the wire; the other is the program's own."""
+    program = tmp_path / "q.3b"
+    program.write_text("B1000B0B1000GXL1\nD\nD\nB0B1000B1000GYL2\nD\nB5B0B5GXL1\nDD\n")
+    made = CliRunner().invoke(cli, ["convert", str(program), "-o", str(tmp_path / "q.dxf")])
+    assert made.exit_code == 0, made.output
+    points = ezdxf.readfile(tmp_path / "q.dxf").modelspace().query("POINT[layer=='STOP']")
+    assert [tuple(p.dxf.location)[:2] for p in points] == [(1.0, 0.0)]

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import Stretch, stretches
+from wedmcam.backends.contours import Stretch, beside, stretches
 from wedmcam.controller import run
 from wedmcam.diag import Diagnostic
 from wedmcam.ir.program import Kind, LineTable, Program
@@ -66,6 +66,7 @@ def _written(program: Program, machine: Machine) -> bytes:
     found = stretches(program.blocks, starts, ends)
     layers = _layers_of(program.blocks, found)
     threads, stops = _points(found, starts, ends)
+    stops += [(int(ends[i][0]), int(ends[i][1])) for i in beside(program.blocks["kind"], found)]
     for layer, places in (("START", threads), ("STOP", stops)):
         for x, y in places:
             space.add_point((x / per_mm, y / per_mm), dxfattribs={"layer": layer})

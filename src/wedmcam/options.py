@@ -119,6 +119,9 @@ class Options:
         for name in ("join_um", "corner_um", "lead_um", "stop_um", "overcut_um"):
             if getattr(self, name) < 0:
                 raise WrongUse(f"--{name[:-3]} must not be negative")
+        for name in ("stop_um", "overcut_um"):
+            if 0 < getattr(self, name) < 1:
+                raise WrongUse(f"--{name[:-3]} is 0 or 1 um at least: no step is shorter")
 
     @property
     def effective_side(self) -> Side:

@@ -223,6 +223,12 @@ def test_without_a_table_the_d_numbers_are_told():
     assert found[0].hint == "give what is entered at the controller: --d 1=0.1mm"
 
 
+def test_the_number_that_the_program_uses_is_the_one_to_give():
+    _, found = read(SLOT.replace("D1", "D3"), [(1, 100.0)])
+    assert found[0].code == "iso-d"
+    assert found[0].hint.endswith("such as --d 3=0.1mm")
+
+
 def test_tables():
     with pytest.raises(WrongUse, match="not negative"):
         offsets.table_of([(1, -1.0)])

@@ -111,4 +111,7 @@ def test_axes_are_checked():
     assert machine.table == "rotate"
     assert codes(GOOD + "[axes]\nmirror_z = true\n") == ["profile-key"]
     assert codes(GOOD + '[axes]\nexchange = "yes"\n') == ["profile-value"]
+    steps = GOOD.replace('"3b"', '"iso"') + "[axes]\nstep_um = 2\n"
+    assert codes(steps) == []
+    assert codes(steps + '[iso]\ncompensation = "controller"\n') == ["profile-value"]
     assert codes(GOOD + "axes = true\n") == ["profile-key"]  # it stands in [limits]

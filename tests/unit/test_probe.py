@@ -233,6 +233,7 @@ def test_the_command(tmp_path):
         (["-o", "p.nc", "--profile", "iso-um"], b"states where it ends"),
         (["-o", "p.zd", "--profile", "zd065"], b"are published"),
         (["-o", "-"], b"several files"),
+        (["-o", "q.nc"], b"the name of another format"),
         ([], b"give -o FILE.3b, or --read SHEET"),
     ):
         done = run(*wrong, cwd=tmp_path)

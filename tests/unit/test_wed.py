@@ -13,6 +13,7 @@ import wedmcam
 from wedmcam.diag import has_errors
 from wedmcam.frontends.wed import read
 from wedmcam.frontends.wed.grammar import grammar_text
+from wedmcam.options import Options, WrongUse
 
 KEY = b"""part "key"
 units mm
@@ -393,6 +394,16 @@ def test_enter_and_overcut_say_their_mistakes():
     line = "contour l { from (0, 0) line to (5, 0) } cut l on start (0, 0) overcut 1"
     made = wedmcam.compile(line.encode(), name="l.wed")
     assert "an overcut is for closed contours" in made.findings[0].message
+
+
+@pytest.mark.parametrize("clause", ["overcut 0.0004", "stop 0.0009"])
+def test_what_is_shorter_than_a_step_is_no_length(clause):
+    """It failed only when it was verified: the wire ran no such way."""
+    made = wedmcam.compile((BOX + f"cut box outside offset 0.1 {clause}").encode(), name="b.wed")
+    assert [d.code for d in made.findings] == ["wed-value"]
+    assert "no step is shorter" in made.findings[0].message
+    with pytest.raises(WrongUse, match="no step is shorter"):
+        Options(overcut_um=0.4)
 
 
 def test_overcut_of_a_cut_wins_over_the_option():

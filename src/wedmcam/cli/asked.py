@@ -62,7 +62,7 @@ drawing_options = _stack(
         "transforms",
         multiple=True,
         metavar="TEXT",
-        help="Such as 'rotate 10 copies 35 about (0, 0)'; repeat, in order.",
+        help="Such as 'rotate 10 copies 35 about (0, 0)', lengths in mm; repeat, in order.",
     ),
     click.option(
         "-D",

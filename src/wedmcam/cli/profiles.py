@@ -109,7 +109,7 @@ def _probe_written(output: str, profile: str) -> int:
     from wedmcam import probe
     from wedmcam.cli import say
     from wedmcam.cli.files import check_outputs, write_outputs
-    from wedmcam.options import WrongUse
+    from wedmcam.options import FORMAT_OF_SUFFIX, WrongUse
 
     machine, found, text = _read(profile)
     say.say_findings(found, profile, texts={profile: text})
@@ -124,6 +124,8 @@ def _probe_written(output: str, profile: str) -> int:
         raise WrongUse(f"the probe is a program in 3B, not in {machine.format}: {why}")
     if output == "-" or Path(output).suffix.lower() == ".txt":
         raise WrongUse("the probe is several files: give -o NAME.3b")
+    if FORMAT_OF_SUFFIX.get(Path(output).suffix.lower(), "3b") != "3b":
+        raise WrongUse(f"the probe is a program in 3B, and {output} has the name of another format")
     stem = Path(output).with_suffix("")
     names = {
         part: output if part == "main" else f"{stem}-{part}{Path(output).suffix}"

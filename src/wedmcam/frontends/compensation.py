@@ -164,5 +164,6 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         "iso-d",
         rows[where],
         lambda i: f"no offset was given for D{d[where[i]]}",
-        "give what is entered at the controller, such as --d 1=0.1mm",
+        "give what is entered at the controller, such as "
+        + " ".join(f"--d {n}=0.1mm" for n in np.unique(d[where]).tolist()),
     )

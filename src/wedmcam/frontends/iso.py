@@ -179,7 +179,7 @@ def read(
         warn,
         "iso-ignored",
         other & ~third,
-        "not read: it changes no path in G40",
+        "not read: it changes no path",
         "feed, generator and offset tables are set at the machine",
     )
     distance = _filled(*modal["distance"], 91 if machine.iso.coordinates == "incremental" else 90)

@@ -16,7 +16,7 @@ from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.route import Route, assemble
-from wedmcam.judge.runs import Assigned, mm, per_mm, runs, span_of
+from wedmcam.judge.runs import SOME_CONTOURS, Assigned, mm, per_mm, runs, span_of
 from wedmcam.judge.segments import (
     Floats,
     Ints,
@@ -233,6 +233,7 @@ def _stranger(way: Walk, program: Program, piece: Piece) -> Diagnostic:
         f"blocks {first + 1} to {int(piece.index[-1]) + 1} cut a contour of {w / per:.3f} x "
         f"{h / per:.3f} mm that the plan does not have there",
         span_of(program, first),
+        hint=SOME_CONTOURS,
         points_mm=((float(x) / per, float(y) / per),),
     )
 

@@ -16,6 +16,9 @@ from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.segments import Ints
 from wedmcam.judge.walk import Walk
 
+#: Against a whole drawing a program of some of its contours has too few cuts, in other places.
+SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B says of which"
+
 
 class Run(NamedTuple):
     """Cutting blocks without a control record or a move between them.
@@ -156,6 +159,7 @@ def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
         "missing-cut",
         f"cut {number + 1} (contour {cut.number}, threaded at {mm(x, y, per)} mm) is not in the "
         "program",
+        hint=SOME_CONTOURS,
         points_mm=((x / per, y / per),),
     )
 
@@ -169,6 +173,7 @@ def _extra(program: Program, run: Run) -> Diagnostic:
         f"blocks {first + 1} to {int(run.index[-1]) + 1} cut from {mm(x, y, per)} mm on; no "
         "contour is left for them",
         span_of(program, first),
+        hint=SOME_CONTOURS,
         points_mm=((x / per, y / per),),
     )
 

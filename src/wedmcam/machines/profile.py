@@ -261,6 +261,10 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         found.append(
             error("profile-value", "'limits.arc_um' of a 3B or 4B profile is at most 999999", place)
         )
+    if tables["iso"].get("compensation") == "controller" and tables["axes"].get("step_um", 1) != 1:
+        place = _place(text, name, "axes", "step_um")
+        what = "'axes.step_um' goes with compensation in the program: outlines are written in um"
+        found.append(error("profile-value", what, place))
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):

@@ -91,13 +91,13 @@ class Readings:
 
     Attributes:
         stops: program -> stops as read, in order; their section is not known: "".
-        lines: program -> line of the sheet of its first reading.
+        lines: program -> line of the sheet of each stop.
         moved: how far the wire went between the first two stops, (x, y) as the drawing lies on the
             machine, um; None where nobody measured.
     """
 
     stops: Mapping[str, Sequence[Stop]]
-    lines: Mapping[str, int]
+    lines: Mapping[str, Sequence[int]]
     moved: tuple[float, float] | None = None
 
 
@@ -134,7 +134,7 @@ def read_sheet(text: str, file: str) -> tuple[Readings, list[Diagnostic]]:
     """
     found: list[Diagnostic] = []
     read: dict[str, list[Stop]] = {}
-    lines: dict[str, int] = {}
+    lines: dict[str, list[int]] = {}
     moved = None
     for number, line in enumerate(text.splitlines(), 1):
         told = line.split("#")[0].replace(",", ".").split()
@@ -152,7 +152,7 @@ def read_sheet(text: str, file: str) -> tuple[Readings, list[Diagnostic]]:
             moved = x, y
             continue
         read.setdefault(told[0], []).append(Stop("", round(x), round(y), bool(told[3:])))
-        lines.setdefault(told[0], number)
+        lines.setdefault(told[0], []).append(number)
     return Readings(read, lines, moved), found
 
 
@@ -175,7 +175,8 @@ def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnosti
             good = [c for c in candidates if _agree(stops(part, c), read[:-1]) == len(read) - 1]
         if not good:
             most = max(_agree(stops(part, c), read, partly=True) for c in candidates)
-            x, y = read[min(most, len(read) - 1)][1:3]
+            last = min(most, len(read) - 1)
+            x, y = read[last][1:3]
             what = (
                 f"stop {most + 1} of {part}, at {x / 1000:.3f}, {y / 1000:.3f}, fits no controller "
                 "that is known"
@@ -183,7 +184,7 @@ def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnosti
                 else f"the {len(read)} stops of {part} fit, but controllers stop elsewhere too"
             )
             hint = "read it again; was the display at 0 at the start, and is a line for each stop?"
-            span = TextSpan(file, readings.lines[part], 1)
+            span = TextSpan(file, readings.lines[part][last], 1)
             found.append(error("probe-reading", what, span, hint=hint))
             continue
         for field in ASKED[part]:

@@ -399,7 +399,7 @@ def _too_long(path: Contour, length: float, name: str, span: TextSpan) -> list[D
     return [
         error(
             f"{name}-too-long",
-            f"a {name} of {length / 1000:.3f} mm is longer than the path of {whole / 1000:.3f} mm",
+            f"'{name}' of {length / 1000:.3f} mm is longer than the path of {whole / 1000:.3f} mm",
             span,
             hint=f"a shorter {name}",
         )

@@ -278,6 +278,10 @@ class _Reader:
                     points[kind] = (um(p.x, scope.factor), um(p.y, scope.factor), where)
                 else:
                     values[kind] = scope.um(value, f"'{kind}'")
+                    if kind in ("stop", "overcut") and 0 < values[kind] < 1:
+                        what = f"'{kind}' is 0 or 1 um at least: no step is shorter"
+                        scope.tell("wed-value", what, scope.span(value))
+                        stopped = True
             except Stop:
                 stopped = True
         word = node.items[side].text

@@ -120,3 +120,37 @@ def test_side_truth_table(side, reverse):
     from wedmcam.geom.measure import area
 
     assert (area(turn.vertices) > 0) == (not reverse)
+
+
+SQUARE = "contour sq { from (0, 0) line to (20, 0) line to (20, 20) line to (0, 20) close }\n"
+
+
+@pytest.mark.parametrize(
+    ("cut", "thread"),
+    [
+        ("inside offset 0.1 enter (20, 0)", (19_193, 807)),
+        ("on enter (0, 0)", (-707, -707)),
+    ],
+)
+@pytest.mark.parametrize("profile", ["b3-compact", "iso-g41"])
+def test_a_lead_to_a_corner_halves_its_angle(cut, thread, profile):
+    made = wedmcam.compile((SQUARE + "cut sq " + cut).encode(), name="sq.wed", profile=profile)
+    assert made.ok, codes(made)
+    assert threads(made) == [thread]
+
+
+def test_a_corner_too_acute_is_refused_at_enter():
+    text = "contour a { from (0, 0) line to (20, 0) line to (20, 5) close }\n"
+    made = wedmcam.compile((text + "cut a inside offset 0.1 enter (0, 0)").encode(), name="a.wed")
+    assert codes(made) == ["lead-along-wall"]
+    (finding,) = (d for d in made.findings if d.severity == 2)
+    assert (finding.span.line, finding.span.column) == (2, 31)
+    assert "'enter'" in finding.hint
+
+
+def test_a_lead_that_hits_names_what_was_stated():
+    text = SQUARE + "cut sq outside offset 0.1 enter (20, 20) start (-5, 10)"
+    made = wedmcam.compile(text.encode(), name="sq.wed")
+    (finding,) = (d for d in made.findings if d.severity == 2)
+    assert finding.code == "lead-hits"
+    assert finding.hint == "move the thread point, or 'enter'"

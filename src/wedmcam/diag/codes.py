@@ -338,6 +338,11 @@ CODES: dict[str, Code] = {
         "the lead would cut into kept material, or into a piece that is already loose",
         "move the thread point, or give one",
     ),
+    "lead-along-wall": Code(
+        "a lead can only lie along a wall of its own corner",
+        "its kerf, and the start hole, would damage the finished wall",
+        "move 'enter' out of the corner, or give a thread point",
+    ),
     "stop-too-long": Code(
         "--stop is longer than the path",
         "the machine would pause before it begins",

@@ -304,7 +304,7 @@ def _lanes(
     """Return the wire paths of a scene, each in the direction of its contour."""
     contours = [p.contour for p in scene]
     lengths = [cuts[p.cut].item.lead for p in scene]
-    enters = [None if (e := cuts[p.cut].enter) is None else (e.x, e.y) for p in scene]
+    enters = [cuts[p.cut].enter for p in scene]
     if not any(p.shift for p in scene):
         return [
             Lane(c, c, None, 0.0, k, nesting.parents[k], lengths[k], enters[k])

@@ -2,7 +2,8 @@
 
 A lead runs in scrap, from the thread point to the nearest point of the wire path, and the wire
 leaves by the same way. Where the drawing states no thread point one is chosen: beside the midpoint
-of the longest segment, or the centre of a round hole.
+of the longest segment, or the centre of a round hole. Such a lead leaves the path at a right angle,
+at a corner along its bisector, and its thread point keeps clear of all walls.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Span, error
 from wedmcam.geom import crossings, measure, pairs
@@ -26,6 +28,13 @@ VERTEX_UM = 5.0
 ROUNDED_UM = 1.0
 #: Ties of length within this are ties; um.
 TIE_UM = 1e-3
+#: A thread point that nobody stated is at least this share of its lead away from every path: the
+#: lead lies along no wall. In a corner its lead halves the angle: one below 29 degrees is refused.
+CLEAR = 0.25
+#: How often a lead is halved that would end too near to another wall.
+HALVED = 8
+#: How a thread point is given for a drawing, and in a part program.
+_WORDS = ("--start X,Y; a POINT on layer START", "'start' of the cut")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,8 +49,8 @@ class Lane:
         contour: number of the outline; several paths may share one.
         parent: number of the outline directly around it, -1 for none.
         lead_um: length of a lead that nobody stated; None for the usual one.
-        enter: where the lead arrives: at the point of the path nearest to this, um; None for the
-            point nearest to the thread point.
+        enter: where the lead arrives: at the point of the path nearest to this, um, and where
+            that was stated; None for the point nearest to the thread point.
     """
 
     path: Contour
@@ -51,7 +60,7 @@ class Lane:
     contour: int = 0
     parent: int = -1
     lead_um: float | None = None
-    enter: tuple[float, float] | None = None
+    enter: ThreadPoint | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,8 +80,8 @@ def lead(
     """Return every path with its lead.
 
     Each thread point serves the nearest path whose scrap side holds it. One that serves none, a
-    second one for the same path, one nearer to the part than the offset, and a lead that crosses a
-    path on its way are errors, all of them reported.
+    second one for the same path, one nearer to the part than the offset, a lead that crosses a
+    path on its way, and one that can only lie along a wall are errors, all of them reported.
 
     Args:
         lanes: closed or open paths, um.
@@ -115,13 +124,18 @@ def lead(
             spans[number] = point.span
     if found:
         return None, found
-    result = _chosen(scene, [k for k in range(len(lanes)) if k not in served], lead_um)
+    # Where thread points serve paths by their number, a part program states them.
+    words = _WORDS[only is not None]
+    free = [k for k in range(len(lanes)) if k not in served]
+    result, along = _chosen(scene, free, lead_um)
+    cures = [_cure(lane, words, k in served) for k, lane in enumerate(lanes)]
+    found += [_along_wall(lanes[k], result[k], cures[k]) for k in along]
     for number, thread in served.items():
         lane = lanes[number]
-        arrives = thread if lane.enter is None else lane.enter
+        arrives = thread if lane.enter is None else (lane.enter.x, lane.enter.y)
         result[number] = Led(_started(lane.path, arrives), thread)
     ordered = [result[k] for k in range(len(lanes))]
-    return ordered, _collisions(scene, ordered, spans)
+    return ordered, found + _collisions(scene, ordered, spans, cures)
 
 
 class _Scene:
@@ -282,22 +296,36 @@ def rotated(path: Contour, s: Segments, row: int, at: float, snap_um: float = VE
     return Contour(rows, True, path.sources)
 
 
-def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, Led]:
-    """Return leads that nobody stated (ruling 3)."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ray:
+    """A path, and the direction in which a lead leaves its start."""
+
+    number: int
+    path: Contour
+    x: float
+    y: float
+    nx: float
+    ny: float
+
+
+def _chosen(
+    scene: _Scene, numbers: Sequence[int], lead_um: float
+) -> tuple[dict[int, Led], list[int]]:
+    """Return leads that nobody stated (ruling 3), and of which paths they lie along a wall."""
     result: dict[int, Led] = {}
-    rays: list[tuple[int, Contour, float, float, float, float]] = []
+    rays: list[_Ray] = []
     centred: dict[int, Led] = {}
     for number in numbers:
         lane = scene.lanes[number]
         path = lane.path
         if not path.closed:
-            path = path if lane.enter is None else _started(path, lane.enter)
+            path = path if lane.enter is None else _started(path, (lane.enter.x, lane.enter.y))
             result[number] = _before_open(path, _length(lane, lead_um))
             continue
         s = scene.of(number)
         inward = measure.area(path.vertices) > 0
         if lane.enter is not None:
-            row, at = _nearest(s, *lane.enter)
+            row, at = _nearest(s, lane.enter.x, lane.enter.y)
         elif len(path.vertices) == 1:
             row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
             if lane.scrap_left is not None and lane.scrap_left == inward:
@@ -310,23 +338,73 @@ def _chosen(scene: _Scene, numbers: Sequence[int], lead_um: float) -> dict[int, 
             order = np.lexsort((np.round(middle_x[tied], 3), np.round(middle_y[tied], 3)))
             row = int(tied[order[0]])
             at = 0.5 * float(s.length[row])
-        one = s.take(np.array([row]))
-        px, py = (float(c[0]) for c in seg.points_at(one, np.array([at])))
-        tx, ty = (float(c[0]) for c in seg.tangents_at(one, np.array([at])))
         left = lane.scrap_left if lane.scrap_left is not None else not inward
-        nx, ny = (-ty, tx) if left else (ty, -tx)
-        rays.append((number, rotated(path, s, row, at), px, py, nx, ny))
+        rays.append(_ray(number, rotated(path, s, row, at), left))
     if centred:
         blocked = _blocked(scene, centred)
         result |= {k: led for k, led in centred.items() if k not in blocked}
-    rays = [ray for ray in rays if ray[0] not in result]
-    lengths = np.array([_length(scene.lanes[ray[0]], lead_um) for ray in rays])
-    free = _free(scene, rays, 2.0 * lengths)
-    for (number, path, px, py, nx, ny), most, own in zip(rays, free, lengths, strict=True):
-        length = min(float(own), 0.5 * float(most))
-        x, y = to_grid([px + nx * length, py + ny * length]).tolist()
-        result[number] = Led(path, (x, y))
-    return result
+    rays = [ray for ray in rays if ray.number not in result]
+    own = np.array([_length(scene.lanes[ray.number], lead_um) for ray in rays])
+    lengths, clear = _cleared(scene, rays, np.minimum(own, 0.5 * _free(scene, rays, 2.0 * own)))
+    for ray, length in zip(rays, lengths.tolist(), strict=True):
+        x, y = to_grid([ray.x + ray.nx * length, ray.y + ray.ny * length]).tolist()
+        result[ray.number] = Led(ray.path, (x, y))
+    return result, [ray.number for ray, ok in zip(rays, clear.tolist(), strict=True) if not ok]
+
+
+def _ray(number: int, path: Contour, left: bool) -> _Ray:
+    """Return the direction that halves the angle of scrap at the start of a closed path."""
+    s = seg.of_rows(path.starts, path.ends)
+    ix, iy = (float(c[-1]) for c in seg.end_tangents(s))
+    ox, oy = (float(c[0]) for c in seg.start_tangents(s))
+    # From the first segment's normal by half the turn of the corner; exact where there is none.
+    back = -0.5 * float(np.arctan2(ix * oy - iy * ox, ix * ox + iy * oy))
+    back = 0.0 if abs(back) < 1e-9 else back
+    c, d = float(np.cos(back)), float(np.sin(back))
+    nx, ny = (-oy, ox) if left else (oy, -ox)
+    v = path.vertices
+    return _Ray(number, path, float(v["x"][0]), float(v["y"][0]), c * nx - d * ny, d * nx + c * ny)
+
+
+def _cleared(
+    scene: _Scene, rays: Sequence[_Ray], lengths: Floats
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return lengths at which thread points keep clear of all paths, and where there is one."""
+    lengths = lengths.copy()
+    x, y, nx, ny = (np.array([getattr(ray, k) for ray in rays], float) for k in _RAY)
+    near = np.ones(len(rays), bool)
+    for _ in range(HALVED):
+        k = np.flatnonzero(near)
+        px, py = x[k] + nx[k] * lengths[k], y[k] + ny[k] * lengths[k]
+        room = CLEAR * lengths[k]
+        i, j = pairs.overlapping((px - room, py - room, px + room, py + room), scene.boxes)
+        distance = seg.distances(scene.segments.take(j), px[i], py[i])
+        near[k] = pairs.least(distance, i, len(k)) < room - TIE_UM
+        if not near.any():
+            break
+        lengths[near] *= 0.5
+    return lengths, ~near
+
+
+def _along_wall(lane: Lane, led: Led, cure: str) -> Diagnostic:
+    x, y = (float(led.path.vertices[k][0]) / 1000 for k in ("x", "y"))
+    return error(
+        "lead-along-wall",
+        f"a lead that ends at ({x:.3f}, {y:.3f}) mm can only lie along a wall, which it would "
+        "damage: the corner is too acute to be entered from inside",
+        led.path.source_of(0) if lane.enter is None else lane.enter.span,
+        points_mm=((x, y),),
+        hint=cure,
+    )
+
+
+def _cure(lane: Lane, words: str, threaded: bool) -> str:
+    """Return what helps a lead: to move what was stated of it, or to state where it is threaded."""
+    if threaded and lane.enter is not None:
+        return "move the thread point, or 'enter'"
+    first = "move the thread point, or " if threaded else ""
+    first = first if lane.enter is None else "move 'enter', or "
+    return f"{first}give a thread point ({words})"
 
 
 def _length(lane: Lane, usual: float) -> float:
@@ -357,12 +435,14 @@ def _before_open(path: Contour, lead_um: float) -> Led:
     return Led(path, (x, y))
 
 
-def _free(
-    scene: _Scene, rays: Sequence[tuple[int, Contour, float, float, float, float]], reach: Floats
-) -> Floats:
+#: Where a ray starts, and its direction.
+_RAY = ("x", "y", "nx", "ny")
+
+
+def _free(scene: _Scene, rays: Sequence[_Ray], reach: Floats) -> Floats:
     """Return how far each ray runs until it meets a path, at most its ``reach``."""
     start = np.minimum(1.0, 0.01 * reach)  # the path that a ray leaves is not met
-    x, y, nx, ny = (np.array([ray[k] for ray in rays], float) for k in (2, 3, 4, 5))
+    x, y, nx, ny = (np.array([getattr(ray, k) for ray in rays], float) for k in _RAY)
     free = reach.copy()
     if len(rays) and (reach > 0).any():
         lines = _lines(x + nx * start, y + ny * start, x + nx * reach, y + ny * reach)
@@ -376,15 +456,15 @@ def _lines(x0: Floats, y0: Floats, x1: Floats, y1: Floats) -> Segments:
     return seg.make(x0, y0, x1, y1, zero, zero, np.zeros(len(x0), np.int8))
 
 
-def collisions(lanes: Sequence[Lane], led: Sequence[Led]) -> list[Diagnostic]:
+def collisions(lanes: Sequence[Lane], led: Sequence[Led], cure: str) -> list[Diagnostic]:
     """Return an error for each lead that meets a path before it arrives; paths are those led to."""
-    return _collisions(_Scene(lanes), led, {})
+    return _collisions(_Scene(lanes), led, {}, [cure] * len(led))
 
 
 def _collisions(
-    scene: _Scene, led: Sequence[Led], spans: dict[int, Span | None]
+    scene: _Scene, led: Sequence[Led], spans: dict[int, Span | None], cures: Sequence[str]
 ) -> list[Diagnostic]:
-    """Return an error for each lead that meets a path before it arrives."""
+    """Return an error, with its cure, for each lead that meets a path before it arrives."""
     lines = _leads_as_lines(led)
     line, path, at = scene.hits(lines)
     # Its own path it meets where it arrives.
@@ -400,14 +480,15 @@ def _collisions(
         x0, y0, x1, y1 = (float(getattr(lines, n)[number]) for n in ("x0", "y0", "x1", "y1"))
         hx, hy = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
         what = "its own path before it arrives" if path[k] == number else "another cut"
-        hint = "give a thread point (--start X,Y; a POINT on layer START)"
+        enter = scene.lanes[number].enter
+        stated = spans.get(number) or (None if enter is None else enter.span)
         finding = error(
             "lead-hits",
             f"the lead from ({x0 / 1000:.3f}, {y0 / 1000:.3f}) to ({x1 / 1000:.3f}, "
             f"{y1 / 1000:.3f}) mm meets {what} at ({hx / 1000:.3f}, {hy / 1000:.3f}) mm",
-            spans.get(number) or led[number].path.source_of(0),
+            stated or led[number].path.source_of(0),
             points_mm=((hx / 1000, hy / 1000),),
-            hint=f"move the thread point, or {hint}" if number in spans else hint,
+            hint=cures[number],
         )
         found.append((number, finding))
     return [finding for _, finding in found]

@@ -64,7 +64,12 @@ def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
         Lane(c.path, c.outline or c.path, None, offset_of(plan, c), k) for k, c in enumerate(moved)
     ]
     led = [Led(c.path, c.thread) for c in moved]
-    found = leads.collisions(lanes, led)
+    found = leads.collisions(
+        lanes,
+        led,
+        "such a controller starts beside a corner, not in it: put the thread point (or 'enter') "
+        f"{FROM_CORNER_UM / 1000:g} mm from it, or give another one",
+    )
     new = dict(zip(map(id, plan.cuts), moved, strict=True))
     parts = tuple(replace(p, cuts=tuple(new[id(c)] for c in p.cuts)) for p in plan.parts)
     return (None if found else replace(plan, cuts=tuple(moved), parts=parts)), found

@@ -227,6 +227,7 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     """Return what is left of a plan from a block of its program on."""
     import numpy as np
 
+    from wedmcam import offsets
     from wedmcam.controller import run as stepped
     from wedmcam.ir.program import Kind, Role
     from wedmcam.source_map import block_ends, matched
@@ -236,7 +237,8 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     try:
         lowered = lower(made, machine, options, trial)
         data = encode(lowered, machine, trial, made, options)
-        program, _ = decode(data, machine, "program", options, made)
+        entered = offsets.entered(made, machine, options)
+        program, _ = decode(data, machine, "program", entered, made)
     except Refused:
         run.found += trial.found
         raise
@@ -260,6 +262,14 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
         if options.backwards:
             raise WrongUse(f"block {n} begins a contour: leave --backwards out")
         return replace(made, cuts=made.cuts[cut - 1 :], partial=True)
+    if machine.offsets:
+        first = cut + (options.cuts[0] - 1 if options.cuts else 0)
+        last = first - cut + len(made.cuts)
+        raise WrongUse(
+            f"block {n} lies within contour {first}: G41 and G42 are taken up on a lead, and there "
+            f"is none in the kerf. --cuts {first}-{last} cuts that contour as a whole; its rest "
+            "needs a profile without compensation (iso-um), where blocks have other numbers"
+        )
     before = (lowered.blocks["cut"] == cut) & (roles == Role.CONTOUR)
     before[int(like[block]) :] = False
     motion = stepped(lowered.blocks, LineTable(machine.table))

@@ -58,6 +58,22 @@ def test_on_from_a_block_the_rest_is_cut_and_no_more(to: str, block: int) -> Non
     assert len(there) <= len(starts) + 1
 
 
+def test_compensation_is_not_taken_up_in_the_kerf() -> None:
+    """Blocks were counted in a path without its offset: of a .wed, whose cuts state it."""
+    washer = ROOT / "samples/washer.wed"
+    whole = api.compile(washer, profile="iso-g41")
+    assert [int(k) for k in whole.program.blocks["kind"]] == [0, 1, 0, 3, 2, 3, 0, 1, 0, 4]
+    for block, contours in ((1, 2), (5, 1), (7, 1)):
+        rest = api.compile(washer, profile="iso-g41", from_block=block)
+        assert rest.ok
+        assert len(rest.plan.cuts) == contours
+    for block, which in ((2, "contour 1: .* --cuts 1-2 "), (8, "contour 2: .* --cuts 2-2 ")):
+        with pytest.raises(WrongUse, match=which):
+            api.compile(washer, profile="iso-g41", from_block=block)
+    with pytest.raises(WrongUse, match="no block 11"):
+        api.compile(washer, profile="iso-g41", from_block=11)
+
+
 @pytest.mark.parametrize("block", [4, 9, 12])
 def test_backwards_ends_where_the_block_starts(block: int) -> None:
     whole = api.compile(KEY, offset=0.1)

@@ -81,6 +81,20 @@ def numbers(plan: Plan, machine: Machine) -> dict[int, float]:
     return outlines.numbers(plan, machine.iso.d) if machine.offsets else {}
 
 
+def of_cuts(plan: Plan) -> list[float]:
+    """Return the offset of each cut, um: cuts of a part program have their own."""
+    if not plan.parts:
+        return [plan.offset_um] * len(plan.cuts)
+    from wedmcam.transforms.outlines import offset_of
+
+    return [offset_of(plan, cut) for cut in plan.cuts]
+
+
+def said(plan: Plan) -> str:
+    """Return the offsets of all cuts for people: one, or each that occurs."""
+    return ", ".join(f"{um / 1000:.3f}" for um in sorted(set(of_cuts(plan)))) + " mm"
+
+
 def entered(plan: Plan, machine: Machine, options: Options) -> Options:
     """Return the options with what is to be entered at the controller."""
     return replace(options, d=tuple(numbers(plan, machine).items())) if machine.offsets else options

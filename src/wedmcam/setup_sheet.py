@@ -11,7 +11,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from wedmcam.ir.program import Kind
-from wedmcam.offsets import told
+from wedmcam.offsets import of_cuts, said, told
 from wedmcam.source_map import block_ends
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
         ("program's SHA-256", made.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
-        ("offset, side", f"{v.offset_um / 1000:.3f} mm, {v.side}"),
+        ("offset, side", f"{said(made.plan)}, {v.side}"),
         *((f"offset {d}, to be entered", um) for d, um in told(made.options.d)),
         ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm".format(
             *(e / 1000 for e in v.extents_um))),
@@ -51,12 +51,13 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
                   f"{'-' if v.gouge_um is None else f'{v.gouge_um:.2f} um'}, closure "
                   f"{'-' if v.closure_um is None else f'{v.closure_um:.0f} um'}"),
     ]  # fmt: skip
-    holes = []
+    holes, own = [], of_cuts(made.plan)
     for n, cut in enumerate(v.cuts, 1):
         tx, ty = _start(made, cut.first_block - 1)
         holes.append(
             (f"T{n}", *(f"{c / 1000:.3f}" for c in (tx, ty, tx - x0, ty - y0)),
-             f"{cut.first_block} to {cut.last_block}", f"{cut.length_mm:.3f}",
+             f"{cut.first_block} to {cut.last_block}", f"{own[n - 1] / 1000:.3f}",
+             f"{cut.length_mm:.3f}",
              _time(cut.length_mm, feed_um).strip(" ()"))
         )  # fmt: skip
     return [
@@ -69,7 +70,7 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
         (
             "Start holes",
             (("hole", "x drawing", "y drawing", "x from zero", "y from zero", "blocks",
-              "path mm", "time"), holes),
+              "offset mm", "path mm", "time"), holes),
         ),
         ("Where the machine stops", (("block", "place mm", "what to do"), _stops(made))),
     ]  # fmt: skip

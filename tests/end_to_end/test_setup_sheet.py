@@ -30,7 +30,7 @@ def test_every_hole_and_every_stop(to):
     assert sum("hold the piece" in d for d in does) == n
     assert sum("cut the wire, generator off" in d for d in does) == n - 1
     assert does[-1].startswith("the end")
-    minutes = sum(float(h[7].split()[0]) for h in holes)
+    minutes = sum(float(h[8].split()[0]) for h in holes)
     assert minutes == pytest.approx(made.verdict.path_mm / 2.5, abs=0.1 * n)
 
 
@@ -43,3 +43,20 @@ def test_it_is_written_with_the_program(tmp_path, ending):
     assert "T2" in text
     assert text.startswith("<!doctype html>") == (ending == "html")
     assert CliRunner().invoke(cli, [*line, "--setup-sheet", "s.md", "--split"]).exit_code == 2
+
+
+def test_each_contour_has_its_own_offset(tmp_path):
+    """Once only the largest of all was told."""
+    part = tmp_path / "two.wed"
+    part.write_text(
+        "contour sq { from (0, 0) line to (20, 0) line to (20, 20) line to (0, 20) close }\n"
+        "contour h { circle center (10, 10) radius 3 }\n"
+        "contour s { circle center (5, 5) radius 1 }\n"
+        "cut s on\ncut h inside offset 0.2\ncut sq outside offset 0.1\n"
+    )
+    line = ["compile", str(part), "-o", str(tmp_path / "two.3b")]
+    done = CliRunner().invoke(cli, [*line, "--setup-sheet", str(tmp_path / "two.md")])
+    assert done.exit_code == 0, done.output
+    assert "3 cut, offset 0.000, 0.100, 0.200 mm" in done.output
+    rows = [r.split("|") for r in (tmp_path / "two.md").read_text().splitlines() if "| T" in r]
+    assert [row[7].strip() for row in rows] == ["0.000", "0.200", "0.100"]

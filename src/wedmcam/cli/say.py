@@ -138,23 +138,24 @@ def say_figures(proof: Proof) -> None:
 
 def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
     """Print what was made, in a few lines; ``verbose``: and a line a contour."""
+    from wedmcam import offsets
+
     v, drawn = made.verdict, made.drawn
     if v is None or drawn is None:
         return
+    assert made.plan is not None
     info = drawn.sketch.info
     s = made.summary
     for line in (
         f"{s['input']}  {info.units} ({info.units_from})  {_size(drawn)}",
-        f"contours   {v.contours} cut, offset {v.offset_um / 1000:.3f} mm, side {v.side}",
+        f"contours   {v.contours} cut, offset {offsets.said(made.plan)}, side {v.side}",
         f"program    {output}  {v.blocks} blocks, path {v.path_mm:.3f} mm, {v.steps} steps, "
         f"profile {made.machine.name}",
         proof_line(made),
     ):
         click.echo(line, err=True)
     if made.options.d:
-        from wedmcam.offsets import told
-
-        pairs = ", ".join(f"{name} = {length}" for name, length in told(made.options.d))
+        pairs = ", ".join(f"{name} = {length}" for name, length in offsets.told(made.options.d))
         click.echo(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
     if made.machine.gapped:
         side = "die (inwards)" if v.side == "die" else "part (outwards)"

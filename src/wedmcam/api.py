@@ -752,7 +752,7 @@ def inspect(
     except Refused:
         return Inspection(None, {"input": name}, tuple(run.found))
     facts, more = facts_of(name, drawn, options)
-    run.found += more
+    run.found += (*drawn.held, *more)
     return Inspection(drawn, facts, tuple(run.found))
 
 

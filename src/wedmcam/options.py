@@ -40,6 +40,7 @@ class Options:
         fill_in_units: ``units`` only where the drawing says none (batch, ruling 7).
         layers: wildcards of layers to take; empty for all.
         ignore_layers: wildcards of layers to leave out.
+        ignore_types: wildcards of DXF entity types to leave out.
         join_um: the largest gap closed between entities.
         transforms: figure transforms in the words of the part language, in their order.
         tolerance_um: how far arcs may lie from a spline or an ellipse.
@@ -67,6 +68,7 @@ class Options:
     fill_in_units: bool = False
     layers: tuple[str, ...] = ()
     ignore_layers: tuple[str, ...] = ()
+    ignore_types: tuple[str, ...] = ()
     join_um: float = 10.0
     tolerance_um: float = 1.0
     transforms: tuple[str, ...] = ()
@@ -157,7 +159,7 @@ class Options:
                 values["side"] = Side(values["side"])
             if "order" in values:
                 values["order"] = Order(values["order"])
-            for name in ("layers", "ignore_layers", "transforms", "defines"):
+            for name in ("layers", "ignore_layers", "ignore_types", "transforms", "defines"):
                 if name in values:
                     values[name] = tuple(values[name])
             if values.get("cuts") is not None:

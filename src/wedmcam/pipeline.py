@@ -73,6 +73,7 @@ class Drawn:
     """What was drawn: loose segments, and the contours they make.
 
     ``items``: the cuts of a part program with their figures; None for a drawing.
+    ``held``: findings about outlines that are held by what is not read; errors stop the plan.
     """
 
     sketch: Sketch
@@ -80,6 +81,7 @@ class Drawn:
     report: ChainReport
     nesting: Nesting
     items: tuple[Worked, ...] | None = None
+    held: tuple[Diagnostic, ...] = ()
 
 
 def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
@@ -91,6 +93,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.frontends.dxf import DxfOptions
     from wedmcam.frontends.dxf import read as read_dxf
     from wedmcam.transforms.chain import chain
+    from wedmcam.transforms.held import held
     from wedmcam.transforms.nest import nest
 
     asked = DxfOptions(
@@ -98,14 +101,16 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         fill_in_units=options.fill_in_units,
         layers=options.layers,
         ignore_layers=options.ignore_layers,
+        ignore_types=options.ignore_types,
         tolerance_um=options.tolerance_um,
     )
     sketch = run("read", read_dxf(data, file, asked))
     contours, report, found = chain(sketch, options.join_um)
     run.add("chain", found)
+    about = held(sketch, contours, options.join_um, options.offset_um or 0.0)
     if options.transforms:
         sketch, contours = _transformed(sketch, contours, options, run)
-    return Drawn(sketch, contours, report, nest(contours))
+    return Drawn(sketch, contours, report, nest(contours), held=about)
 
 
 def source_format(data: bytes, file: str, options: Options) -> str:
@@ -180,6 +185,7 @@ def arithmetic(options: Options) -> Arithmetic:
 
 def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
     """Return where the wire goes: sides, compensation, leads, order."""
+    run.add("nest", drawn.held)
     if drawn.items is not None:
         from wedmcam.transforms import items
 

@@ -49,6 +49,13 @@ drawing_options = _stack(
     click.option(
         "--ignore-layer", "ignore_layers", multiple=True, metavar="NAME", help="Leave it out."
     ),
+    click.option(
+        "--ignore-type",
+        "ignore_types",
+        multiple=True,
+        metavar="NAME",
+        help="Leave entities of this DXF type out, such as HATCH; repeat.",
+    ),
     click.option("--join", "join_um", type=LENGTH, default="0.01mm", help="Largest gap closed."),
     click.option(
         "--tolerance",
@@ -184,6 +191,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         fill_in_units=asked.get("fill_in_units", False),
         layers=asked["layers"],
         ignore_layers=asked["ignore_layers"],
+        ignore_types=asked["ignore_types"],
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
         transforms=asked["transforms"],

@@ -465,6 +465,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
         fill_in_units=asked.get("fill_in_units", False),
         layers=asked["layers"],
         ignore_layers=asked["ignore_layers"],
+        ignore_types=asked["ignore_types"],
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
         transforms=asked["transforms"],

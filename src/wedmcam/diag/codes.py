@@ -73,7 +73,8 @@ CODES: dict[str, Code] = {
     ),
     "not-cut": Code(
         "Entities that are no lines, arcs or polylines were left out.",
-        "Text, dimensions and hatches are no contours; what is meant to be cut must be geometry.",
+        "Text and dimensions are no contours, nor are hatches whose boundary is drawn; what is "
+        "meant to be cut must be geometry.",
         "Nothing, or explode the entities into lines and arcs.",
     ),
     "hidden-not-cut": Code(
@@ -87,10 +88,17 @@ CODES: dict[str, Code] = {
         "They are not cut, as asked.",
         "Nothing.",
     ),
+    "type-left-out": Code(
+        "Entities of types that --ignore-type leaves out.",
+        "They are not cut, as asked.",
+        "Nothing.",
+    ),
     "unsupported-entity": Code(
-        "An entity that could be a contour and that cannot be read yet.",
-        "Leaving it out would cut another part.",
-        "Convert it into lines, arcs or polylines, or leave its layer out with --ignore-layer.",
+        "An entity that could be a contour and that is not read: a curve or a body, a type that is "
+        "not known, or a fill, a wide line or a face whose boundary no line draws.",
+        "Leaving it out would cut another part: holes without their outline are loose discs.",
+        "Convert it into lines, arcs or polylines. If it bounds nothing, leave it out with "
+        "--ignore-layer or --ignore-type.",
     ),
     "tilted": Code(
         "An entity does not lie in a plane parallel to the drawing's.",

@@ -132,15 +132,15 @@ def middles(s: Segments) -> tuple[Floats, Floats]:
 
 
 class Inside:
-    """Answers 'is this point inside' for one closed contour and many points.
+    """Answers 'is this point inside' for closed contours and many points.
 
-    The contour is cut into pieces that rise or fall in y; a point is inside where an odd number of
-    them lies to its right. A piece owns its lower end and not its upper one, so that a vertex level
-    with the point counts once. Points on the contour itself may fall on either side.
+    Takes their segments, in any order and direction; a point is inside where it is inside an odd
+    number of contours. Segments are cut into pieces that rise or fall in y; an odd number of them
+    lies to the right of a point inside. A piece owns its lower end and not its upper one, so that a
+    vertex level with the point counts once. Points on a contour may fall on either side.
     """
 
-    def __init__(self, rows: Rows) -> None:
-        s = segments_of(rows, True)
+    def __init__(self, s: Segments) -> None:
         line = s.turn == 0
         arcs = s.take(np.flatnonzero(~line))
         # Cut arcs where they pass their top or bottom: at most three pieces an arc.
@@ -211,4 +211,4 @@ def contains(rows: Rows, x: Floats, y: Floats) -> NDArray[np.bool_]:
     >>> contains(ring, np.array([9.9, 10.1, -9.9]), np.zeros(3)).tolist()
     [True, False, True]
     """
-    return Inside(rows)(np.asarray(x, float), np.asarray(y, float))
+    return Inside(segments_of(rows, True))(np.asarray(x, float), np.asarray(y, float))

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Span
+from wedmcam.diag import EntityRef, Span
 
 #: One row per segment, um: start (x0, y0), end (x1, y1), centre (cx, cy) where turn is not 0.
 #: turn: +1 counter-clockwise arc, -1 clockwise, 0 line. start == end with a turn: a full circle.
@@ -62,13 +62,32 @@ class SketchInfo:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Unread:
+    """Boundaries of what is drawn and was not read: fills, wide lines, faces. None is cut.
+
+    Attributes:
+        segments: um; those of one source are one boundary, in any order and direction.
+        sources: the entity that each boundary is of; one with several boundaries is there often.
+        within_um: how far ``segments`` may be from what was drawn.
+    """
+
+    segments: NDArray[np.void] = field(default_factory=lambda: np.zeros(0, SEGMENT))
+    sources: tuple[EntityRef, ...] = ()
+    within_um: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Sketch:
-    """Loose segments in um, thread points, and their sources. Takes ``segments`` over."""
+    """Loose segments in um, thread points, and their sources. Takes ``segments`` over.
+
+    ``unread``: what bounds the rest of the drawing.
+    """
 
     segments: NDArray[np.void]
     sources: tuple[Span, ...] = ()
     thread_points: tuple[ThreadPoint, ...] = ()
     info: SketchInfo = field(default_factory=SketchInfo)
+    unread: Unread = field(default_factory=Unread)
 
     def __post_init__(self) -> None:
         s = self.segments

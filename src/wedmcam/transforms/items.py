@@ -429,6 +429,7 @@ def idle_options(part: Part, options: Options) -> list[Diagnostic]:
     for name, word, instead in (
         ("layers", "--layer", "a part program has no layers"),
         ("ignore_layers", "--ignore-layer", "a part program has no layers"),
+        ("ignore_types", "--ignore-type", "a part program has no entities"),
         ("join_um", "--join", "chains whose ends meet within 1 um join"),
         ("tolerance_um", "--tolerance", "a part program has no splines"),
         ("side", "--side", "each cut names its side"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import EntityRef
 from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, Linear, ellipses_of, image, segments
-from wedmcam.frontends.dxf.shapes import Heap, Insert, gather
+from wedmcam.frontends.dxf.kinds import is_annotation
+from wedmcam.frontends.dxf.shapes import Heap, Insert
 from wedmcam.ir.sketch import SEGMENT, ThreadPoint
 
 Rows = NDArray[np.void]
@@ -97,6 +98,7 @@ class Placement:
         others: likewise what is never cut: text and the like.
         hidden: likewise what the drawing does not show.
         left_out: likewise what the user's filters leave out.
+        types_left_out: likewise what is of a type that the user leaves out.
         no_points: likewise what is on layer START and is no thread point.
         problems: (code, text) -> the entities that have it, each once.
         heights: height, whole um -> the first entity drawn at it; of the layout, not of blocks.
@@ -112,6 +114,7 @@ class Placement:
     others: Census = field(default_factory=Counter)
     hidden: Census = field(default_factory=Counter)
     left_out: Census = field(default_factory=Counter)
+    types_left_out: Census = field(default_factory=Counter)
     no_points: Census = field(default_factory=Counter)
     problems: dict[tuple[str, str], dict[EntityRef, None]] = field(default_factory=dict)
     dropped: dict[EntityRef, None] = field(default_factory=dict)
@@ -202,13 +205,24 @@ class _Batch:
         return kept
 
 
+#: Returns the heap of a layout or block; the second argument says whether it is annotation.
+Gather = Callable[[Any, bool], Heap]
+
+
 class Placer:
     """Puts heaps where they belong; `placed` holds the result."""
 
     def __init__(
-        self, doc: Any, scale: float, layers: Layers, file: str, tolerance: float = 1.0
+        self,
+        doc: Any,
+        scale: float,
+        layers: Layers,
+        file: str,
+        gather: Gather,
+        tolerance: float = 1.0,
     ) -> None:
         self._doc, self._scale, self._layers, self._file = doc, scale, layers, file
+        self._gather = gather
         self._tolerance = tolerance
         self._wanted: dict[tuple[int, Any], _Wanted] = {}
         self._copied: list[tuple[_Copy, list[Fate], tuple[int, Any], Matrix]] = []
@@ -218,9 +232,9 @@ class Placer:
         self._segments = 0
         self.placed = Placement()
 
-    def place(self, heap: Heap) -> None:
-        """Put a heap, and every block inserted in it, in depth first order."""
-        stack = [_Copy(heap, IDENTITY, (), (), "0", False)]
+    def place(self, layout: Any) -> None:
+        """Put a layout, and every block inserted in it, in depth first order."""
+        stack = [_Copy(self._gather(layout, False), IDENTITY, (), (), "0", False)]
         while stack and self.placed.too_large is None:
             copy = stack.pop()
             self._put(copy)
@@ -267,6 +281,11 @@ class Placer:
             fate = Fate.HIDDEN if copy.hidden else self._layers.fate(layer)
             book = books.get(fate, out.no_points)
             (out.others if fate is Fate.CUT else book)[kind, layer] += count
+        for (kind, layer), count in heap.ignored.items():
+            layer = copy.layer if layer == "0" else layer
+            fate = Fate.HIDDEN if copy.hidden else self._layers.fate(layer)
+            book = out.types_left_out if fate in (Fate.CUT, Fate.START) else books[fate]
+            book[kind, layer] += count
         for problem in heap.problems:
             if fates[problem.entity] is Fate.CUT:
                 out.problem(problem.code, problem.text, self._ref(copy, problem.entity))
@@ -421,8 +440,19 @@ class Placer:
                 self._blocks[key] = None
             else:
                 x, y, _ = layout.block.dxf.get("base_point", (0.0, 0.0, 0.0))
-                self._blocks[key] = gather(layout, self._scale), x, y
+                self._blocks[key] = self._gather(layout, is_annotation(name)), x, y
         return self._blocks[key]
+
+
+def finite(rows: Rows, placed: Placement) -> Rows:
+    """Drop rows that a block's scale has thrown out of any range, and say so."""
+    size = np.zeros(len(rows))
+    for name in ("x0", "y0", "x1", "y1", "cx", "cy"):
+        size = np.maximum(size, np.abs(rows[name]))
+    good = size <= FARTHEST_UM
+    for at in sorted(set(rows["source"][~good].tolist())):
+        placed.problem("bad-number", "", placed.sources[at])
+    return rows if good.all() else rows[good]
 
 
 def _finer(size: float) -> float:

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
 from wedmcam.frontends.dxf import units
-from wedmcam.frontends.dxf.curves import FARTHEST_UM
+from wedmcam.frontends.dxf.kinds import BOUNDED
 from wedmcam.frontends.dxf.load import GEOMETRY, Loaded, load
-from wedmcam.frontends.dxf.place import Census, Layers, Placement, Placer
-from wedmcam.frontends.dxf.shapes import gather
-from wedmcam.ir.sketch import Sketch, SketchInfo
+from wedmcam.frontends.dxf.place import Census, Layers, Placement, Placer, finite
+from wedmcam.frontends.dxf.shapes import Heap, gather
+from wedmcam.frontends.dxf.unread import unread
+from wedmcam.ir.sketch import Sketch, SketchInfo, Unread
 
 Rows = NDArray[np.void]
 
@@ -40,6 +41,7 @@ class DxfOptions:
         fill_in_units: ``units`` only stands in where the drawing says none (``batch``).
         layers: patterns (``*``, ``?``, any case) of layers to take; none: all.
         ignore_layers: patterns of layers to leave out; they win.
+        ignore_types: patterns of entity types to leave out.
         tolerance_um: how far the arcs that splines and ellipses become may be from them.
     """
 
@@ -47,6 +49,7 @@ class DxfOptions:
     fill_in_units: bool = False
     layers: tuple[str, ...] = ()
     ignore_layers: tuple[str, ...] = ()
+    ignore_types: tuple[str, ...] = ()
     tolerance_um: float = 1.0
 
 
@@ -80,10 +83,20 @@ def read(
     found += said
     layers = Layers(loaded.doc.layers, options.layers, options.ignore_layers)
     # Without units the size is still wanted, in drawing units: 1000 um each, printed as mm.
-    placer = Placer(loaded.doc, unit.scale or 1000.0, layers, file, options.tolerance_um)
-    placer.place(gather(loaded.doc.modelspace(), unit.scale or 1000.0))
+    scale = unit.scale or 1000.0
+    ignore = tuple(p.casefold() for p in options.ignore_types)
+
+    def heap_of(layout: Any, annotation: bool) -> Heap:
+        return gather(layout, scale, ignore, annotation)
+
+    placer = Placer(loaded.doc, scale, layers, file, heap_of, options.tolerance_um)
+    placer.place(loaded.doc.modelspace())
     placed = placer.placed
-    rows = _finite(placer.rows(), placed)
+    rows = finite(placer.rows(), placed)
+    bounds = Unread()
+    if any(kind in BOUNDED for kind, _ in placed.others):
+        bounds, there = unread(loaded.doc, scale, layers, file, ignore, options.tolerance_um)
+        _boundless(there, placed)
     found += _problems(placed)
     found += _curves(placed, options, file)
     found += _said(placed, _paper_space(loaded.doc), file)
@@ -97,18 +110,18 @@ def read(
     if doubt is not None:
         found.append(doubt)
     info = _info(loaded, placed, unit)
-    return Sketch(rows, tuple(placed.sources), tuple(placed.points), info), tuple(found)
+    sketch = Sketch(rows, tuple(placed.sources), tuple(placed.points), info, bounds)
+    return sketch, tuple(found)
 
 
-def _finite(rows: Rows, placed: Placement) -> Rows:
-    """Drop rows that a block's scale has thrown out of any range, and say so."""
-    size = np.zeros(len(rows))
-    for name in ("x0", "y0", "x1", "y1", "cx", "cy"):
-        size = np.maximum(size, np.abs(rows[name]))
-    good = size <= FARTHEST_UM
-    for at in sorted(set(rows["source"][~good].tolist())):
-        placed.problem("bad-number", "", placed.sources[at])
-    return rows if good.all() else rows[good]
+def _boundless(there: Placement, placed: Placement) -> None:
+    """Note what is not read and has no boundary that can be had."""
+    for (_, text), refs in there.problems.items():
+        for ref in refs:
+            if ref.dxftype in BOUNDED:
+                why = f", and its boundary is not known{': ' + text if text else ''}"
+                placed.problem("unsupported-entity", why, ref)
+    placed.too_large = placed.too_large or there.too_large
 
 
 def _size(rows: Rows) -> tuple[float, float]:
@@ -141,8 +154,8 @@ def _size(rows: Rows) -> tuple[float, float]:
 _SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
     "unsupported-entity": (
         error,
-        "{n} cannot be read yet",
-        "convert into lines and arcs, or leave the layer out with --ignore-layer",
+        "{n} cannot be read yet{text}",
+        "convert into lines and arcs, or leave it out with --ignore-layer or --ignore-type",
     ),
     "tilted": (error, "{n} tilted out of the drawing plane (extrusion vector)", "lay it flat"),
     "not-flat": (error, "{n} not parallel to the drawing plane: the height changes", "lay it flat"),
@@ -255,6 +268,7 @@ def _said(placed: Placement, paper: int, file: str) -> list[Diagnostic]:
         (warning, "not-cut", placed.others, "not cut"),
         (warning, "hidden-not-cut", placed.hidden, "hidden in the drawing and not cut"),
         (note, "layer-left-out", placed.left_out, "on layers left out"),
+        (note, "type-left-out", placed.types_left_out, "of types left out"),
         (warning, "start-layer", placed.no_points, "on layer START that are no thread points"),
     ):
         if census:
@@ -311,6 +325,9 @@ def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagn
         layers = ", ".join(sorted({layer for _, layer in placed.left_out}))
         why = f"all geometry is on layers left out ({layers})"
         hint = "check --layer and --ignore-layer"
+    elif placed.types_left_out:
+        kinds = sorted({kind for kind, _ in placed.types_left_out})
+        why, hint = f"all geometry is of types left out ({', '.join(kinds)})", "check --ignore-type"
     elif placed.hidden:
         why, hint = "what it holds is hidden", "switch the layers on"
     elif paper:
@@ -329,7 +346,13 @@ def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagn
 def _info(loaded: Loaded, placed: Placement, unit: units.Unit) -> SketchInfo:
     """Return what was seen, for ``inspect``."""
     ignored: Census = Counter()
-    for census in (placed.others, placed.hidden, placed.left_out, placed.no_points):
+    for census in (
+        placed.others,
+        placed.hidden,
+        placed.left_out,
+        placed.types_left_out,
+        placed.no_points,
+    ):
         ignored += census
     extra: dict[str, Any] = {"binary": True} if loaded.binary else {}
     if loaded.header.insunits is not None:

@@ -12,6 +12,7 @@ counter-clockwise becomes clockwise. Any other tilt is refused.
 
 from __future__ import annotations
 
+import fnmatch
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, CurveError, of_ellipse, of_spline
+from wedmcam.frontends.dxf.kinds import ANNOTATION, BOUNDED, MESH
 from wedmcam.ir.sketch import SEGMENT
 
 Floats = NDArray[np.float64]
@@ -39,9 +41,6 @@ FULL_DEG = 1e-9
 FLAT_BULGE, FLAT_UM = 1e-8, 1e-4
 #: From this bulge on (all but 0.002 degrees of a circle) rounding decides where the centre is.
 ABSURD_BULGE = 1e5
-
-#: Contours that cannot be read: leaving them out would be wrong.
-UNSUPPORTED = frozenset({"HELIX"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +78,7 @@ class Heap:
         entities: (type, handle, layer) of each geometric entity.
         invisible: which of them are.
         others: (type, layer) -> count of what is never cut.
+        ignored: (type, layer) -> count of what is of a type left out.
         inserts: block references.
         points: (entity, x, y) of POINT entities, um.
         problems: what is wrong.
@@ -94,6 +94,7 @@ class Heap:
     entities: list[tuple[str, str, str]] = field(default_factory=list)
     invisible: set[int] = field(default_factory=set)
     others: Counter[tuple[str, str]] = field(default_factory=Counter)
+    ignored: Counter[tuple[str, str]] = field(default_factory=Counter)
     inserts: list[Insert] = field(default_factory=list)
     points: list[tuple[int, float, float]] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
@@ -115,52 +116,103 @@ class Heap:
         """Note that something is wrong with an entity."""
         self.problems.append(Problem(code, entity, text))
 
+    def add(self, entity: Entity, kind: str, layer: str) -> int:
+        """Enter an entity and return its number."""
+        at = len(self.entities)
+        self.entities.append((kind, str(entity.dxf.handle), layer))
+        dxf = entity.dxf
+        if dxf.invisible if dxf.hasattr("invisible") else _stated(entity, 60, 0):
+            self.invisible.add(at)
+        return at
 
-def gather(entities: Any, scale: float) -> Heap:
-    """Return the heap of a layout's or block's entities; ``scale`` um to a drawing unit."""
+
+#: Adds the figures of the entity of that number to a heap.
+Converter = Callable[[Heap, int, Entity, Entity], None]
+
+
+def gather(
+    entities: Any, scale: float, ignore: tuple[str, ...] = (), annotation: bool = False
+) -> Heap:
+    """Return the heap of a layout's or block's entities.
+
+    Args:
+        entities: the layout or block.
+        scale: um to a drawing unit.
+        ignore: patterns of types to leave out, in lower case.
+        annotation: whether what cannot be read in it is no outline: the picture of a dimension.
+    """
     from ezdxf.lldxf.const import DXFError
 
     heap = Heap(scale)
     convert = CONVERTERS.get
     for entity in entities:
-        dxf = entity.dxf
         kind = entity.DXFTYPE
         try:
-            layer = str(dxf.layer)
-        except DXFError:  # nothing that can be drawn
-            heap.others[entity.dxftype(), "0"] += 1
-            continue
+            layer = str(entity.dxf.layer)
+        except DXFError:  # ezdxf keeps the tags of a type that it does not know, and no more
+            layer = str(_stated(entity, 8, "0"))
+            if _stated(entity, 67, 0):  # in paper space
+                continue
         to = convert(kind)
-        if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
-            heap.others["POLYLINE (mesh)", layer] += 1
+        if to is None or kind == "POLYLINE":
+            kind = type_of(entity)
+            to = convert(kind)
+        if ignore and is_ignored(kind, ignore):
+            heap.ignored[kind, layer] += 1
             continue
         if to is None:
-            if kind in UNSUPPORTED:
-                to = _unsupported
-            else:
-                heap.others[entity.dxftype(), layer] += 1
+            if annotation or kind in ANNOTATION or kind in BOUNDED:
+                heap.others[kind, layer] += 1
                 continue
-        at = len(heap.entities)
-        heap.entities.append((kind, str(dxf.handle), layer))
-        if dxf.hasattr("invisible") and dxf.invisible:
-            heap.invisible.add(at)
-        try:
-            with np.errstate(all="ignore"):  # what overflows is refused as a bad number
-                to(heap, at, entity, dxf)
-        except CurveError as why:
-            heap.problem(why.code, at, str(why))
-        except (
-            DXFError,
-            ArithmeticError,
-            LookupError,
-            AttributeError,
-            ValueError,
-            TypeError,
-        ) as why:
-            # ezdxf raises these for attributes that an entity must have and has not.
-            heap.problem("damaged-drawing", at, str(why) or type(why).__name__)
-    heap.segments = _segments(heap)
+            to = _unsupported
+        converted(heap, entity, kind, layer, to)
+    heap.segments = segments_of(heap)
     return heap
+
+
+def _stated(entity: Entity, code: int, default: object) -> object:
+    """Return the first value of a group code of an entity of an unknown type."""
+    if not hasattr(entity, "xtags"):
+        return default
+    for tags in entity.xtags.subclasses[:2]:  # by itself, or under AcDbEntity
+        if tags.has_tag(code):
+            return tags.get_first_value(code)
+    return default
+
+
+def type_of(entity: Entity) -> str:
+    """Return the DXF type of an entity; a POLYLINE that is a net of faces is `kinds.MESH`."""
+    kind = str(entity.dxftype())
+    if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
+        return MESH
+    return kind
+
+
+def is_ignored(kind: str, patterns: tuple[str, ...]) -> bool:
+    """Return whether a type is one of those left out; patterns in lower case."""
+    return any(fnmatch.fnmatchcase(kind.casefold(), p) for p in patterns)
+
+
+def converted(heap: Heap, entity: Entity, kind: str, layer: str, to: Converter) -> None:
+    """Add an entity to a heap; what is wrong with it becomes a problem there."""
+    from ezdxf.lldxf.const import DXFError
+
+    at = heap.add(entity, kind, layer)
+    try:
+        with np.errstate(all="ignore"):  # what overflows is refused as a bad number
+            to(heap, at, entity, entity.dxf)
+    except CurveError as why:
+        heap.problem(why.code, at, str(why))
+    except (
+        DXFError,
+        ArithmeticError,
+        LookupError,
+        AttributeError,
+        ValueError,
+        TypeError,
+    ) as why:
+        # ezdxf raises these for attributes that an entity must have and has not.
+        heap.problem("damaged-drawing", at, str(why) or type(why).__name__)
 
 
 # --- one converter for each type ------------------------------------------------------------
@@ -311,7 +363,7 @@ def _insert(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
         heap.problem("clipped-block", at)
 
 
-CONVERTERS: dict[str, Callable[[Heap, int, Entity, Entity], None]] = {
+CONVERTERS: dict[str, Converter] = {
     "LINE": _line,
     "ARC": _arc,
     "CIRCLE": _circle,
@@ -342,7 +394,7 @@ def cos_sin(degrees: Floats) -> tuple[Floats, Floats]:
     return cos, sin
 
 
-def _segments(heap: Heap) -> Rows:
+def segments_of(heap: Heap) -> Rows:
     """Return the segments of all that was gathered, um, in order of entity."""
     with np.errstate(all="ignore"):  # what overflows is refused right after
         parts = [_of_lines(heap), _of_arcs(heap), _of_circles(heap), _of_polylines(heap)]

@@ -1,0 +1,332 @@
+"""Is the outline of the part held by something that is not read?
+
+A plate whose outer contour is a HATCH, a SOLID or an MLINE reads as its holes alone, and they would
+be cut as loose discs. So the boundaries of what was not read are compared with what was: a boundary
+that lines draw, too, is decoration. One that nothing draws is refused where it could bound
+material: around a contour, in one as a hole, or where no contour is closed. Boundaries that touch
+are looked at as one, as their hull: four wide lines make a frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, EntityRef, error
+from wedmcam.geom import crossings, measure
+from wedmcam.geom import segments as seg
+from wedmcam.geom.pairs import grown, overlapping, self_overlapping
+from wedmcam.geom.segments import Floats, Ints, Segments
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.sketch import Sketch
+
+Bools = NDArray[np.bool_]
+
+#: Boundaries are compared at places at most this far apart, um, but no more than so many a segment.
+SPACING_UM, MOST_PLACES = 250.0, 256
+#: Float noise of coordinates of a part, um.
+NEAR_UM = 0.01
+#: How many places of a contour or a boundary are asked on which side of another they lie.
+PROBES = 64
+#: Directions in which a hull is looked for.
+DIRECTIONS = 180
+#: How many points and segments are compared at once: some 40 MB.
+AT_ONCE = 500_000
+#: How many handles a finding names.
+NAMED = 5
+
+
+def held(
+    sketch: Sketch, contours: Sequence[Contour], join_um: float, offset_um: float
+) -> tuple[Diagnostic, ...]:
+    """Return an error for each kind of unread boundary that could be an outline.
+
+    Args:
+        sketch: what was read, and the boundaries of what was not; um, drawing coordinates.
+        contours: what became of the sketch, before any transform.
+        join_um: how far a boundary may be from the segments that draw it.
+        offset_um: from the outline to the wire's centre; a hole is wider than twice that.
+    """
+    unread = sketch.unread
+    if not len(unread.segments):
+        return ()
+    within = join_um + unread.within_um + sketch.info.extra.get("spline_um", 0.0) + NEAR_UM
+    bounds = _segments_of(unread.segments)
+    source = unread.segments["source"].astype(np.int64)
+    places = _places(bounds)
+    drawn = _near(places.x, places.y, _segments_of(sketch.segments), within)
+    of = source[places.row]
+    bare = np.bincount(of, weights=~drawn, minlength=len(unread.sources)) > 0
+    loose = np.flatnonzero(bare[source])
+    if not len(loose):
+        return ()
+    group = _groups(bounds.take(loose), source[loose], within)
+    asked = _Contours(contours, within)
+    found: dict[tuple[str, str], list[_Held]] = {}
+    for sources in _members(source[loose], group):
+        mine = np.isin(of, sources)
+        one = _Group(sources, bounds.take(np.isin(source, sources)), places.x[mine], places.y[mine])
+        why = asked.why(one, 2.0 * offset_um)
+        if why is not None:
+            k = int(np.flatnonzero(mine & ~drawn)[0])
+            at = (float(places.x[k]) / 1000, float(places.y[k]) / 1000)
+            named = unread.sources[int(of[k])]
+            kind, text = why
+            partly = bool(drawn[mine].any())
+            found.setdefault((named.dxftype, kind), []).append(
+                _Held(named, one.box, len(sources) - 1, text, at, partly)
+            )
+    return tuple(_said(some) for some in found.values())
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """An unread boundary that could be an outline, and why; ``at``: where nothing draws it, mm."""
+
+    ref: EntityRef
+    box: tuple[float, float, float, float]
+    more: int
+    why: str
+    at: tuple[float, float]
+    partly: bool
+
+
+def _said(some: list[_Held]) -> Diagnostic:
+    """Return one finding about boundaries of one type that are refused for one reason."""
+    first = some[0]
+    ref, (x0, y0, x1, y1) = first.ref, first.box
+    touching = f" (with {first.more} more that touch it)" if first.more else ""
+    drawn = "is drawn by nothing that is read"
+    if first.partly:
+        drawn = f"is not drawn by what is read at {_place(*first.at)}"
+    text = (
+        f"{ref.dxftype} {_handle(ref)} on layer {ref.layer}{touching}, {(x1 - x0) / 1000:.3f} x "
+        f"{(y1 - y0) / 1000:.3f} mm at {_place(x0 / 1000, y0 / 1000)}: its boundary {drawn}, "
+        f"and {first.why}"
+    )
+    if len(some) > 1:
+        named = ", ".join(_handle(h.ref) for h in some[1 : NAMED + 1])
+        left = f" and {len(some) - 1 - NAMED} more" if len(some) - 1 > NAMED else ""
+        text += f"; likewise {len(some) - 1} more ({named}{left})"
+    hint = (
+        "draw it as lines or a polyline; if it bounds nothing, leave it out with "
+        f"--ignore-type {_quoted(ref.dxftype)} or --ignore-layer {_quoted(ref.layer)}"
+    )
+    points = tuple(h.at for h in some[:100])
+    return error("unsupported-entity", text, ref, hint=hint, points_mm=points, count=len(some))
+
+
+def _handle(ref: EntityRef) -> str:
+    return "#" + "/".join((*ref.via, ref.handle))
+
+
+def _place(x_mm: float, y_mm: float) -> str:
+    return f"({x_mm + 0.0:.3f}, {y_mm + 0.0:.3f})"
+
+
+def _quoted(name: str) -> str:
+    return f"'{name}'" if set(name) & set(" ()*?$&;") else name
+
+
+# --- which boundaries are drawn -----------------------------------------------------------------
+
+
+def _segments_of(rows: NDArray[np.void]) -> Segments:
+    x0, y0, x1, y1, cx, cy = (
+        rows[name].astype(float) for name in ("x0", "y0", "x1", "y1", "cx", "cy")
+    )
+    return seg.make(x0, y0, x1, y1, cx, cy, rows["turn"].copy())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Places:
+    """Places along segments, um: both ends and in between; ``row``: the segment of each."""
+
+    x: Floats
+    y: Floats
+    row: Ints
+
+
+def _places(s: Segments) -> _Places:
+    count = np.clip(np.ceil(s.length / SPACING_UM).astype(np.int64) + 1, 3, MOST_PLACES)
+    row = np.repeat(np.arange(len(s)), count)
+    number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    x, y = seg.points_at(s.take(row), s.length[row] * number / (count[row] - 1))
+    return _Places(x, y, row)
+
+
+def _near(x: Floats, y: Floats, s: Segments, within: float) -> Bools:
+    """Return for each point whether a segment is at most ``within`` away."""
+    near = np.zeros(len(x), np.bool_)
+    if not len(s):
+        return near
+    boxes = grown(seg.boxes(s), within)
+    step = max(1, AT_ONCE // len(s))
+    for k in range(0, len(x), step):
+        px, py = x[k : k + step], y[k : k + step]
+        i, j = overlapping((px, py, px, py), boxes)
+        far = seg.distances(s.take(j), px[i], py[i])
+        near[k + i[far <= within]] = True
+    return near
+
+
+# --- boundaries that touch ----------------------------------------------------------------------
+
+
+def _groups(s: Segments, source: Ints, within: float) -> Ints:
+    """Return for each segment the least source that its own is connected with."""
+    i, j = self_overlapping(grown(seg.boxes(s), 0.5 * within))
+    other = source[i] != source[j]
+    i, j = i[other], j[other]
+    meet = np.zeros(len(i), np.bool_)
+    for a, b in ((i, j), (j, i)):
+        for x, y in ((s.x0, s.y0), (s.x1, s.y1)):
+            meet |= seg.distances(s.take(b), x[a], y[a]) <= within
+    crossed = crossings.between(s, i[~meet], j[~meet])
+    one, two = np.concatenate([i[meet], crossed.i]), np.concatenate([j[meet], crossed.j])
+    return _connected(int(source.max()) + 1, source[one], source[two])[source]
+
+
+def _connected(count: int, i: Ints, j: Ints) -> Ints:
+    """Return for each of ``count`` items the least one that pairs (i, j) connect it with."""
+    root = list(range(count))
+
+    def top(k: int) -> int:
+        while root[k] != k:
+            root[k] = root[root[k]]
+            k = root[k]
+        return k
+
+    for a, b in set(zip(i.tolist(), j.tolist(), strict=True)):
+        low, high = sorted((top(a), top(b)))
+        root[high] = low
+    return np.array([top(k) for k in range(count)], np.int64)
+
+
+def _members(source: Ints, group: Ints) -> list[list[int]]:
+    members: dict[int, list[int]] = {}
+    for k, first in sorted(set(zip(source.tolist(), group.tolist(), strict=True))):
+        members.setdefault(first, []).append(k)
+    return list(members.values())
+
+
+class _Group:
+    """Boundaries that touch: their outline, which is their hull unless it is one closed loop."""
+
+    def __init__(self, sources: list[int], s: Segments, x: Floats, y: Floats) -> None:
+        self.x, self.y = x, y
+        self.box = float(x.min()), float(y.min()), float(x.max()), float(y.max())
+        hull = _hull(x, y)
+        self.width = _width(hull)
+        self.outline = s if len(sources) == 1 and _is_loop(s) else _polygon(hull)
+
+
+def _is_loop(s: Segments) -> bool:
+    """Return whether segments make one closed loop: every end meets another, and all connect."""
+    x, y = np.concatenate([s.x0, s.x1]), np.concatenate([s.y0, s.y1])
+    i, j = self_overlapping(grown((x, y, x, y), NEAR_UM))
+    if len(set(i.tolist()) | set(j.tolist())) < len(x):
+        return False
+    return not _connected(len(s), i % len(s), j % len(s)).any()
+
+
+def _hull(x: Floats, y: Floats) -> Floats:
+    """Return the convex hull of points, counter-clockwise, shape (n, 2); thin ones may have 2."""
+    angle = np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
+    towards = np.stack([np.cos(angle), np.sin(angle)])
+    about = np.array([x[0], y[0]])  # near to the points, for the digits
+    xy = np.stack([x, y], axis=1) - about
+    step = AT_ONCE // DIRECTIONS
+    parts = [xy[k : k + step] for k in range(0, len(xy), step)]
+    xy = np.concatenate([p[np.argmax(p @ towards, axis=0)] for p in parts])
+    corners = xy[np.argmax(xy @ towards, axis=0)]
+    corners = corners[(corners != np.roll(corners, 1, axis=0)).any(axis=1)]
+    out: Floats = (corners if len(corners) else xy[:1]) + about
+    return out
+
+
+def _width(hull: Floats) -> float:
+    """Return the least width of a convex polygon, um: that across one of its sides."""
+    if len(hull) < 3:
+        return 0.0
+    side = np.roll(hull, -1, axis=0) - hull
+    normal = np.stack([-side[:, 1], side[:, 0]]) / np.hypot(side[:, 0], side[:, 1])
+    across = (hull - hull[0]) @ normal
+    return float(np.ptp(across, axis=0).min())
+
+
+def _polygon(corners: Floats) -> Segments:
+    after = np.roll(corners, -1, axis=0)
+    none = np.zeros(len(corners))
+    turn = np.zeros(len(corners), np.int8)
+    return seg.make(corners[:, 0], corners[:, 1], after[:, 0], after[:, 1], none, none, turn)
+
+
+# --- what they could bound ----------------------------------------------------------------------
+
+
+class _Contours:
+    """Says of a boundary whether it could be an outline beside the contours that were read."""
+
+    def __init__(self, contours: Sequence[Contour], within: float) -> None:
+        self._contours, self._within = contours, within
+        self._boxes = np.zeros((0, 4))
+        if contours:
+            self._boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
+        self._none_closed = not any(c.closed for c in contours)
+
+    def why(self, one: _Group, wide: float) -> tuple[str, str] | None:
+        """Return why a boundary could be an outline: the kind of reason, and its words.
+
+        ``wide``: what is in a contour and no wider, um, is no hole that could be cut.
+        """
+        reason: tuple[str, str] | None = None
+        x0, y0, x1, y1 = one.box
+        b = self._boxes
+        met = (b[:, 0] <= x1) & (b[:, 2] >= x0) & (b[:, 1] <= y1) & (b[:, 3] >= y0)
+        hole = one.width > wide + NEAR_UM
+        inside = measure.Inside(one.outline)
+        for k in np.flatnonzero(met).tolist():
+            contour = self._contours[k]
+            s = measure.segments_of(contour.vertices, contour.closed)
+            lies_in, lies_out = _sides(*_probes(s), one.outline, inside, self._within)
+            if lies_in and not lies_out:
+                return "around", f"it lies around the contour at {self._corner(k)}"
+            if not contour.closed or not hole or reason is not None:
+                continue
+            if lies_in:
+                reason = "across", f"it lies across the contour at {self._corner(k)}"
+                continue
+            ring = measure.Inside(s)
+            lies_in, lies_out = _sides(*_thinned(one.x, one.y), s, ring, self._within)
+            if lies_in:
+                word = "across" if lies_out else "in"
+                reason = word, f"it lies {word} the contour at {self._corner(k)}"
+        if reason is None and self._none_closed:
+            reason = "alone", "no contour is closed"
+        return reason
+
+    def _corner(self, k: int) -> str:
+        return _place(self._boxes[k, 0] / 1000, self._boxes[k, 1] / 1000)
+
+
+def _probes(s: Segments) -> tuple[Floats, Floats]:
+    mx, my = measure.middles(s)
+    return _thinned(np.concatenate([s.x0, mx, s.x1[-1:]]), np.concatenate([s.y0, my, s.y1[-1:]]))
+
+
+def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    every = max(1, -(-len(x) // PROBES))
+    return x[::every], y[::every]
+
+
+def _sides(
+    x: Floats, y: Floats, outline: Segments, inside: measure.Inside, within: float
+) -> tuple[bool, bool]:
+    """Return whether any of the points lies clearly inside an outline, and clearly outside."""
+    clear = ~_near(x, y, outline, within)
+    there = inside(x, y)
+    return bool((clear & there).any()), bool((clear & ~there).any())

@@ -35,7 +35,8 @@ EXPECTED = re.compile(r"(?:note|warning|error)\[([a-z0-9-]+)\]")
 def drawing(lines: list[str], units: int = 4) -> str:
     """Return a DXF of one entity a line: ``line x y x y [layer] [z]``, ``rect``, ``circle x y r``,
     ``poly x,y ...`` (closed), ``bow x y x y r`` (an arc, counter-clockwise), ``ring x y r`` (a
-    circle as a spline), ``spline``, ``closed-spline`` and ``fit`` with points, ``other TYPE``."""
+    circle as a spline), ``solid x y x y`` (a filled rectangle), ``spline``, ``closed-spline`` and
+    ``fit`` with points, ``other TYPE``."""
     tags: list[tuple[int, object]] = [(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER")]
     tags += [(1, "AC1015"), (9, "$INSUNITS"), (70, units), (0, "ENDSEC")]
     tags += [(0, "SECTION"), (2, "ENTITIES")]
@@ -91,6 +92,11 @@ def _entities(words: list[str]) -> Iterator[Entity]:
         a, b = (math.degrees(math.atan2(y - cy, x - cx)) % 360 for x, y in ((x0, y0), (x1, y1)))
         more = [(10, cx), (20, cy), (30, 0.0), (40, r), (100, "AcDbArc"), (50, a), (51, b)]
         yield "ARC", "AcDbCircle", layer, more
+    elif kind == "solid":
+        x0, y0, x1, y1 = numbers
+        corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)]
+        more = [t for k, (x, y) in enumerate(corners) for t in ((10 + k, x), (20 + k, y))]
+        yield "SOLID", "AcDbTrace", layer, more
     else:
         x0, y0, x1, y1, *z = numbers
         corners = [(x0, y0), (x1, y1)]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from wedmcam.ir.sketch import Sketch
 Bools = NDArray[np.bool_]
 
 #: Boundaries are compared at places at most this far apart, um, but no more than so many a segment.
-SPACING_UM, MOST_PLACES = 250.0, 256
+SPACING_UM, LEAST_PLACES, MOST_PLACES = 1000.0, 5, 256
 #: Float noise of coordinates of a part, um.
 NEAR_UM = 0.01
 #: How many places of a contour or a boundary are asked on which side of another they lie.
@@ -35,6 +36,10 @@ PROBES = 64
 DIRECTIONS = 180
 #: How many points and segments are compared at once: some 40 MB.
 AT_ONCE = 500_000
+#: How many are counted to estimate how many there are.
+SOME_PAIRS = 200_000
+#: After so many of one type refused for one reason the rest is not looked at.
+MOST_SAID = 100
 #: How many handles a finding names.
 NAMED = 5
 
@@ -63,21 +68,24 @@ def held(
     loose = np.flatnonzero(bare[source])
     if not len(loose):
         return ()
-    group = _groups(bounds.take(loose), source[loose], within)
+    group = np.full(len(source), -1)
+    group[loose] = _groups(bounds.take(loose), source[loose], within)
     asked = _Contours(contours, within)
     found: dict[tuple[str, str], list[_Held]] = {}
-    for sources in _members(source[loose], group):
-        mine = np.isin(of, sources)
-        one = _Group(sources, bounds.take(np.isin(source, sources)), places.x[mine], places.y[mine])
+    for mine, there in zip(_each(group), _each(group[places.row]), strict=True):
+        if any(len(some) >= MOST_SAID for some in found.values()):
+            break
+        one = _Group(bounds.take(mine), source[mine], places.x[there], places.y[there])
         why = asked.why(one, 2.0 * offset_um)
         if why is not None:
-            k = int(np.flatnonzero(mine & ~drawn)[0])
+            kind, text = why
+            far = ~drawn[there]
+            k = int(there[np.argmax(far)])
             at = (float(places.x[k]) / 1000, float(places.y[k]) / 1000)
             named = unread.sources[int(of[k])]
-            kind, text = why
-            partly = bool(drawn[mine].any())
+            more = len(set(source[mine].tolist())) - 1
             found.setdefault((named.dxftype, kind), []).append(
-                _Held(named, one.box, len(sources) - 1, text, at, partly)
+                _Held(named, one.box, more, text, at, not far.all())
             )
     return tuple(_said(some) for some in found.values())
 
@@ -110,10 +118,11 @@ def _said(some: list[_Held]) -> Diagnostic:
     if len(some) > 1:
         named = ", ".join(_handle(h.ref) for h in some[1 : NAMED + 1])
         left = f" and {len(some) - 1 - NAMED} more" if len(some) - 1 > NAMED else ""
-        text += f"; likewise {len(some) - 1} more ({named}{left})"
+        least = "at least " if len(some) >= MOST_SAID else ""
+        text += f"; likewise {least}{len(some) - 1} more ({named}{left})"
     hint = (
         "draw it as lines or a polyline; if it bounds nothing, leave it out with "
-        f"--ignore-type {_quoted(ref.dxftype)} or --ignore-layer {_quoted(ref.layer)}"
+        f"--ignore-type {_quoted(ref.dxftype)}, or its layer with --ignore-layer"
     )
     points = tuple(h.at for h in some[:100])
     return error("unsupported-entity", text, ref, hint=hint, points_mm=points, count=len(some))
@@ -151,7 +160,7 @@ class _Places:
 
 
 def _places(s: Segments) -> _Places:
-    count = np.clip(np.ceil(s.length / SPACING_UM).astype(np.int64) + 1, 3, MOST_PLACES)
+    count = np.clip(np.ceil(s.length / SPACING_UM).astype(np.int64) + 1, LEAST_PLACES, MOST_PLACES)
     row = np.repeat(np.arange(len(s)), count)
     number = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
     x, y = seg.points_at(s.take(row), s.length[row] * number / (count[row] - 1))
@@ -163,8 +172,16 @@ def _near(x: Floats, y: Floats, s: Segments, within: float) -> Bools:
     near = np.zeros(len(x), np.bool_)
     if not len(s):
         return near
+    if len(x) * len(s) <= SOME_PAIRS // 10:
+        i, j = np.divmod(np.arange(len(x) * len(s)), len(s))
+        far = seg.distances(s.take(j), x[i], y[i])
+        return np.asarray((far <= within).reshape(len(x), len(s)).any(axis=1))
     boxes = grown(seg.boxes(s), within)
-    step = max(1, AT_ONCE // len(s))
+    # As many points at once as their pairs allow, by the mean of some of them.
+    some = np.linspace(0, len(x) - 1, min(len(x), 1 + SOME_PAIRS // len(s))).astype(np.int64)
+    sx, sy = x[some, None], y[some, None]
+    met = (boxes[0] <= sx) & (sx <= boxes[2]) & (boxes[1] <= sy) & (sy <= boxes[3])
+    step = 1 + int(AT_ONCE / (1.0 + met.sum(axis=1).mean()))
     for k in range(0, len(x), step):
         px, py = x[k : k + step], y[k : k + step]
         i, j = overlapping((px, py, px, py), boxes)
@@ -206,28 +223,45 @@ def _connected(count: int, i: Ints, j: Ints) -> Ints:
     return np.array([top(k) for k in range(count)], np.int64)
 
 
-def _members(source: Ints, group: Ints) -> list[list[int]]:
-    members: dict[int, list[int]] = {}
-    for k, first in sorted(set(zip(source.tolist(), group.tolist(), strict=True))):
-        members.setdefault(first, []).append(k)
-    return list(members.values())
+def _each(group: Ints) -> list[Ints]:
+    """Return the indices of each group, in order of group; those of group -1 are left out."""
+    order = np.argsort(group, kind="stable")
+    order = order[np.searchsorted(group[order], 0) :]
+    return np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
 
 
 class _Group:
-    """Boundaries that touch: their outline, which is their hull unless it is one closed loop."""
+    """Boundaries that touch: their outline is their hull, unless it is one closed loop."""
 
-    def __init__(self, sources: list[int], s: Segments, x: Floats, y: Floats) -> None:
+    def __init__(self, s: Segments, source: Ints, x: Floats, y: Floats) -> None:
         self.x, self.y = x, y
-        self.box = float(x.min()), float(y.min()), float(x.max()), float(y.max())
-        hull = _hull(x, y)
-        self.width = _width(hull)
-        self.outline = s if len(sources) == 1 and _is_loop(s) else _polygon(hull)
+        self._segments, self._alone = s, bool((source == source[0]).all())
+        x0, y0, x1, y1 = seg.boxes(s)
+        self.box = float(x0.min()), float(y0.min()), float(x1.max()), float(y1.max())
+
+    @cached_property
+    def _hull(self) -> Floats:
+        return _hull(self.x, self.y)
+
+    def is_wider(self, than: float) -> bool:
+        """Return whether it is wider than ``than``, um, in every direction."""
+        x0, y0, x1, y1 = self.box
+        return min(x1 - x0, y1 - y0) > than and _width(self._hull) > than
+
+    @cached_property
+    def side(self) -> _Side:
+        """Tells which points are in the outline."""
+        loop = self._alone and _is_loop(self._segments)
+        return _Side(self._segments if loop else _polygon(self._hull))
 
 
 def _is_loop(s: Segments) -> bool:
     """Return whether segments make one closed loop: every end meets another, and all connect."""
     x, y = np.concatenate([s.x0, s.x1]), np.concatenate([s.y0, s.y1])
-    i, j = self_overlapping(grown((x, y, x, y), NEAR_UM))
+    if len(x) <= PROBES:
+        i, j = np.nonzero(np.triu(np.hypot(x - x[:, None], y - y[:, None]) <= NEAR_UM, 1))
+    else:
+        i, j = self_overlapping(grown((x, y, x, y), NEAR_UM))
     if len(set(i.tolist()) | set(j.tolist())) < len(x):
         return False
     return not _connected(len(s), i % len(s), j % len(s)).any()
@@ -268,6 +302,19 @@ def _polygon(corners: Floats) -> Segments:
 # --- what they could bound ----------------------------------------------------------------------
 
 
+class _Side:
+    """Says on which side of closed contours points lie."""
+
+    def __init__(self, s: Segments) -> None:
+        self._segments, self._inside = s, measure.Inside(s)
+
+    def __call__(self, x: Floats, y: Floats, within: float) -> tuple[bool, bool]:
+        """Return whether any point lies inside and any outside, by more than ``within``, um."""
+        clear = ~_near(x, y, self._segments, within)
+        there = self._inside(x, y)
+        return bool((clear & there).any()), bool((clear & ~there).any())
+
+
 class _Contours:
     """Says of a boundary whether it could be an outline beside the contours that were read."""
 
@@ -277,6 +324,7 @@ class _Contours:
         if contours:
             self._boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
         self._none_closed = not any(c.closed for c in contours)
+        self._known: dict[int, tuple[_Side | None, Floats, Floats]] = {}
 
     def why(self, one: _Group, wide: float) -> tuple[str, str] | None:
         """Return why a boundary could be an outline: the kind of reason, and its words.
@@ -285,23 +333,21 @@ class _Contours:
         """
         reason: tuple[str, str] | None = None
         x0, y0, x1, y1 = one.box
-        b = self._boxes
+        b, near = self._boxes, self._within
         met = (b[:, 0] <= x1) & (b[:, 2] >= x0) & (b[:, 1] <= y1) & (b[:, 3] >= y0)
-        hole = one.width > wide + NEAR_UM
-        inside = measure.Inside(one.outline)
+        around = met & (b[:, 0] >= x0 - near) & (b[:, 2] <= x1 + near)
+        around &= (b[:, 1] >= y0 - near) & (b[:, 3] <= y1 + near)
+        if not one.is_wider(wide + NEAR_UM):
+            met = around
         for k in np.flatnonzero(met).tolist():
-            contour = self._contours[k]
-            s = measure.segments_of(contour.vertices, contour.closed)
-            lies_in, lies_out = _sides(*_probes(s), one.outline, inside, self._within)
+            side, x, y = self._contour(k)
+            lies_in, lies_out = one.side(x, y, near)
             if lies_in and not lies_out:
                 return "around", f"it lies around the contour at {self._corner(k)}"
-            if not contour.closed or not hole or reason is not None:
+            if side is None or reason is not None or not one.is_wider(wide + NEAR_UM):
                 continue
-            if lies_in:
-                reason = "across", f"it lies across the contour at {self._corner(k)}"
-                continue
-            ring = measure.Inside(s)
-            lies_in, lies_out = _sides(*_thinned(one.x, one.y), s, ring, self._within)
+            if not lies_in:
+                lies_in, lies_out = side(*_thinned(one.x, one.y), near)
             if lies_in:
                 word = "across" if lies_out else "in"
                 reason = word, f"it lies {word} the contour at {self._corner(k)}"
@@ -309,24 +355,20 @@ class _Contours:
             reason = "alone", "no contour is closed"
         return reason
 
+    def _contour(self, k: int) -> tuple[_Side | None, Floats, Floats]:
+        """Return the sides of a contour, if it is closed, and points on it."""
+        if k not in self._known:
+            contour = self._contours[k]
+            s = measure.segments_of(contour.vertices, contour.closed)
+            mx, my = measure.middles(s)
+            x, y = np.concatenate([s.x0, mx, s.x1[-1:]]), np.concatenate([s.y0, my, s.y1[-1:]])
+            self._known[k] = (_Side(s) if contour.closed else None, *_thinned(x, y))
+        return self._known[k]
+
     def _corner(self, k: int) -> str:
         return _place(self._boxes[k, 0] / 1000, self._boxes[k, 1] / 1000)
-
-
-def _probes(s: Segments) -> tuple[Floats, Floats]:
-    mx, my = measure.middles(s)
-    return _thinned(np.concatenate([s.x0, mx, s.x1[-1:]]), np.concatenate([s.y0, my, s.y1[-1:]]))
 
 
 def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     every = max(1, -(-len(x) // PROBES))
     return x[::every], y[::every]
-
-
-def _sides(
-    x: Floats, y: Floats, outline: Segments, inside: measure.Inside, within: float
-) -> tuple[bool, bool]:
-    """Return whether any of the points lies clearly inside an outline, and clearly outside."""
-    clear = ~_near(x, y, outline, within)
-    there = inside(x, y)
-    return bool((clear & there).any()), bool((clear & ~there).any())

@@ -514,7 +514,8 @@ def test_every_command_takes_the_types_to_leave_out(tmp_path):
     certificate = ["--certificate", str(tmp_path / "part.json")]
 
     def status(*line, more=("--offset", "0.1")):
-        return CliRunner().invoke(cli, [*map(str, line), *more]).exit_code
+        done = CliRunner().invoke(cli, [*map(str, line), *more], standalone_mode=False)
+        return done.return_value
 
     lines = [
         ("compile", drawn, "-o", program, *certificate),

@@ -181,6 +181,36 @@ _SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
         "{n} with a clipping boundary, which is not applied: the whole block is taken",
         None,
     ),
+    "insert-count": (
+        error,
+        "{n} of block {text}: how often it is to be cut cannot be told",
+        "insert it as often as it is meant, or explode it",
+    ),
+    "scale-zero": (
+        warning,
+        "{n} of block {text} with a scale of 0: what is in the block is not cut",
+        "give it the scale that is meant, or delete the INSERT",
+    ),
+    "negative-radius": (
+        warning,
+        "{n} with a negative radius: taken as positive",
+        "look at the size, and at the side on which an arc lies",
+    ),
+    "rounded-turn": (
+        note,
+        "{n} a full turn but for the rounding of its angles: taken as whole",
+        "draw a CIRCLE, or a whole ELLIPSE",
+    ),
+    "no-arc": (
+        warning,
+        "{n} whose end angle is a hair over its start angle: an arc of no length, and no circle",
+        "delete it, or draw a CIRCLE if one is meant",
+    ),
+    "over-turn": (
+        warning,
+        "{n} of more than a full turn: taken without the full turns, as CAD programs do",
+        "draw a CIRCLE, if one is meant",
+    ),
     "full-arc": (
         warning,
         "{n} whose start and end angle are equal: taken as a full circle",
@@ -319,6 +349,8 @@ def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagn
     elif placed.others:
         kinds = sorted({kind for kind, _ in placed.others})
         why = f"it holds no lines, arcs or polylines, but {', '.join(kinds[:8])}"
+    elif blocks := [text for code, text in placed.problems if code == "scale-zero"]:
+        why, hint = f"block {', '.join(blocks[:NAMED])} is inserted with a scale of 0", None
     else:
         why = "model space is empty"
     return error(

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
 from wedmcam.frontends.dxf import units
+from wedmcam.frontends.dxf.contradictions import Reading, contradictions
 from wedmcam.frontends.dxf.curves import FARTHEST_UM
 from wedmcam.frontends.dxf.load import GEOMETRY, Loaded, load
-from wedmcam.frontends.dxf.place import Census, Layers, Placement, Placer
+from wedmcam.frontends.dxf.place import Census, Fate, Layers, Placement, Placer
 from wedmcam.frontends.dxf.shapes import gather
 from wedmcam.ir.sketch import Sketch, SketchInfo
 
@@ -84,6 +85,14 @@ def read(
     placer.place(gather(loaded.doc.modelspace(), unit.scale or 1000.0))
     placed = placer.placed
     rows = _finite(placer.rows(), placed)
+    found += contradictions(
+        loaded.tags,
+        Reading(
+            placed.blocks,
+            lambda layer: layers.fate(layer) in (Fate.CUT, Fate.START),
+            options.units is None or options.fill_in_units,
+        ),
+    )
     found += _problems(placed)
     found += _curves(placed, options, file)
     found += _said(placed, _paper_space(loaded.doc), file)

@@ -156,6 +156,27 @@ def test_units_twice_in_the_header(binary):
     assert said(data(4, 4), units=None) == ["note[stated-twice]"]
 
 
+def test_units_with_two_values():
+    data = bare(RING, header="  9\n$INSUNITS\n 70\n4\n999\nmm\n 70\n1\n")
+    assert said(data, units=None)[0] == "error[stated-twice]"
+
+
+def test_a_layer_twice_matters_where_one_of_them_is_not_read():
+    data = bare("0 CIRCLE 8 A 8 B 10 20 20 10 40 5")
+    assert said(data) == ["warning[stated-twice]"]
+    assert said(data, layers=("A",))[0] == "error[stated-twice]"
+
+
+@pytest.mark.parametrize(("first", "second", "bad"), [(7, -7, True), (7, 3, False)])
+def test_a_layer_that_is_hidden_by_one_of_two_entries(first, second, bad):
+    layer = "0 LAYER 2 {} 70 0 62 {} 6 CONTINUOUS"
+    table = f"0 TABLE 2 LAYER 70 2 {layer.format('CUT', first)} {layer.format('Cut', second)}"
+    section = f"  0\nSECTION\n  2\nTABLES\n{lines(table)}  0\nENDTAB\n  0\nENDSEC\n"
+    data = bare(RING.replace("8 0", "8 CUT")).decode()
+    data = data.replace("  0\nSECTION\n  2\nENTITIES", section + "  0\nSECTION\n  2\nENTITIES")
+    assert ("error[stated-twice]" in said(data.encode())) is bad
+
+
 def test_two_drawings_in_one_file_without_an_end_between():
     one = bare(RING).decode()
     body = one[: one.index("  0\nEOF")]
@@ -241,9 +262,13 @@ def test_case_makes_no_difference_in_names_of_blocks():
 # --- behind the end ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("tail", ["", "\n", "\n\n \n", "\x1a", "\0\0\0\0", "\n\x1a\0\0\n"])
+@pytest.mark.parametrize(
+    "tail", ["  0\nEOF\n", "", "\n", "\n\n \n", "\x1a", "\0\0\0\0", "\n\x1a\0\0\n"]
+)
 @pytest.mark.parametrize("binary", [False, True])
 def test_padding_behind_the_end_is_nothing(tail, binary):
+    if binary and "EOF" in tail:
+        return
     data = as_binary(bare(RING)) if binary else bare(RING)
     assert said(data + tail.encode()) == []
 

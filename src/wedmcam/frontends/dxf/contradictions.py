@@ -48,6 +48,7 @@ COUNTS = {
 #: Variables of the header that are read; the first decides the size of the part.
 UNITS = "$INSUNITS"
 VARIABLES = (UNITS, "$MEASUREMENT", "$ACADVER", "$DWGCODEPAGE")
+COMMENT = 999
 #: Sections of which a reader takes one.
 SECTIONS = ("TABLES", "BLOCKS", "ENTITIES")
 #: Codes whose values are names, in which case makes no difference.
@@ -86,7 +87,7 @@ class _Fact:
 def contradictions(tags: Tags, reading: Reading) -> list[Diagnostic]:
     """Return the findings about what a file says twice, or counts otherwise than it is."""
     look = _Look(tags, reading)
-    found = [*_sections(tags), *_variables(tags, reading), *_blocks(look)]
+    found = [*_sections(tags), *_variables(tags, reading), *_layers(tags), *_blocks(look)]
     groups: dict[tuple[str, str, str, Callable[..., Diagnostic]], list[_Fact]] = {}
     for fact in (*_repeats(look), *_counts(look)):
         groups.setdefault((fact.code, fact.subject, fact.text, fact.say), []).append(fact)
@@ -139,18 +140,27 @@ class _Look:
         if tags.kinds[mark] == tags.names.get("VERTEX", -1):  # its polyline decides
             before = np.flatnonzero(tags.kinds[:mark] == tags.names.get("POLYLINE", -1))
             mark = int(before[-1]) if len(before) else mark
-        if (tags.first(mark, 67) or "0") not in ("", "0"):
-            return False
+        if any((tags.first(mark, code) or "0") not in ("", "0") for code in (60, 67)):
+            return False  # invisible, or in paper space
+        if tags.kinds[mark] == tags.names.get("INSERT", -1):  # its block lies on layers of its own
+            return (tags.first(mark, 2) or "").lower() in self.reading.blocks
         layer = tags.first(mark, 8) or "0"
         if block is not None and layer == "0":  # the layer of the INSERT
             return True
         return self.reading.layer(layer)
+
+    def on_layers_alike(self, mark: int) -> bool:
+        """Return whether all layers that an entity names are read, or none."""
+        names = [self.tags.value(at).strip() for at, code in self.tags.own(mark) if code == 8]
+        return len({self.reading.layer(name) for name in names}) == 1
 
     def fact(
         self, code: str, mark: int, text: str, at: int, same: bool = False, kind: str = ""
     ) -> _Fact:
         """Return what is wrong with an entity: an error if it is read, a note if it is the same."""
         say = note if same else error if self.is_read(mark) else warning
+        if say is error and int(self.tags.codes[at]) == 8 and self.on_layers_alike(mark):
+            say = warning
         handle = self.tags.first(mark, 5)
         place = self.tags.place(at) + (f", #{handle}" if handle else "")
         return _Fact(say, code, kind, text, self.tags.span(at), place)
@@ -182,8 +192,13 @@ def _variables(tags: Tags, reading: Reading) -> Iterator[Diagnostic]:
         first, last = int(tags.marks[head]), tags.last(head)
         for at in (first + np.flatnonzero(tags.codes[first:last] == 9)).tolist():
             name = tags.value(at).strip().upper()
-            if name in VARIABLES and at + 1 < last:
-                stated.setdefault(name, []).append(at + 1)
+            if name not in VARIABLES:
+                continue
+            for following in range(at + 1, last):
+                if tags.code(following) == 9:
+                    break
+                if tags.code(following) != COMMENT:
+                    stated.setdefault(name, []).append(following)
     for name, places in stated.items():
         values = [tags.value(at).strip() for at in places]
         if len(places) < 2:
@@ -198,6 +213,28 @@ def _variables(tags: Tags, reading: Reading) -> Iterator[Diagnostic]:
             tags.span(places[1]),
             hint="--units settles what one drawing unit is" if bad else None,
         )
+
+
+def _layers(tags: Tags) -> Iterator[Diagnostic]:
+    """Find layers that are shown by one of two entries and not by the other."""
+    states: dict[str, dict[tuple[bool, bool], int]] = {}
+    for name, first, end in tags.sections:
+        marks = np.flatnonzero(tags.kinds[first:end] == tags.names.get("LAYER", -1)) + first
+        for mark in marks.tolist() if name == "TABLES" else ():
+            layer = tags.first(mark, 2)
+            colour, flags = (_whole(tags.first(mark, code) or "0") or 0 for code in (62, 70))
+            if layer:
+                states.setdefault(layer.lower(), {})[colour < 0, bool(flags & 1)] = mark
+    for layer, marks_of in states.items():
+        if len(marks_of) > 1:
+            places = [int(tags.marks[mark]) for mark in marks_of.values()]
+            yield error(
+                "stated-twice",
+                f"layer {_shown(layer)} is there twice, shown by one entry and hidden by another "
+                f"({' and '.join(tags.place(at) for at in places)})",
+                tags.span(places[1]),
+                hint="leave one of them",
+            )
 
 
 def _blocks(look: _Look) -> Iterator[Diagnostic]:
@@ -215,11 +252,15 @@ def _blocks(look: _Look) -> Iterator[Diagnostic]:
         marks = [mark for _, mark in blocks]
         places = [int(tags.marks[mark]) for mark in marks]
         read = look.block_is_read(marks[0])
-        other = f", also as {', '.join(names[1:])}: case makes no difference" if names[1:] else ""
+        other = (
+            f", also as {_shown(', '.join(names[1:]))}: case makes no difference"
+            if names[1:]
+            else ""
+        )
         then = "which of them an INSERT means cannot be told" if read else "nothing of it is cut"
         yield (error if read else warning)(
             "block-twice",
-            f"block {names[0]} is defined {_times(len(blocks))}{other} "
+            f"block {_shown(names[0])} is defined {_times(len(blocks))}{other} "
             f"({' and '.join(tags.place(at) for at in places[:NAMED])}); {then}",
             tags.span(places[1]),
             hint="rename or remove one of them in the CAD program" if read else None,
@@ -362,11 +403,16 @@ def _times(many: int) -> str:
     return "twice" if many == 2 else f"{many} times"
 
 
+def _shown(text: str) -> str:
+    """Return text of a file for a message: not too long, and nothing that moves a cursor."""
+    return "".join(c if c.isprintable() else "?" for c in text[:40])
+
+
 def _listed(values: list[str]) -> str:
     """Return different values in words.
 
     >>> _listed(["5", "7"]), _listed(["1", "2", "3"])
     ('5 and 7', '1, 2 and 3')
     """
-    shown = [value[:40] for value in values[:NAMED]]
+    shown = [_shown(value) for value in values[:NAMED]]
     return f"{', '.join(shown[:-1])} and {shown[-1]}"

@@ -197,7 +197,7 @@ def _tags(
 def _lines_behind(lines: list[str], first: int, file: str) -> tuple[Span, str, Span | None] | None:
     """Return where data are behind the end mark of a text file, how much, and a second drawing."""
     full = [at for at in range(first, len(lines)) if lines[at].strip(PADDING)]
-    if not full:
+    if {lines[at].strip() for at in full} <= {"0", "EOF"}:  # the mark again is nothing, too
         return None
     second = next(
         (

@@ -200,7 +200,10 @@ def test_field_lw_count_more(count, bad, binary):
 def test_field_lw_count_more_says_both_counts_and_the_line():
     data = bare(SQUARE.format(count=9)).replace(b"AC1009", b"AC1015")
     (finding,) = [d for d in read(data, "part.dxf")[1] if d.code == "stated-count"]
-    assert "1 LWPOLYLINE with 9 vertices stated and 4 there" in finding.message
+    assert (
+        "1 LWPOLYLINE with another number of vertices than stated: 9 stated, 4 there"
+        in finding.message
+    )
     assert "#2F" in finding.message
     assert line_of(data, finding) == "9"
 
@@ -398,3 +401,9 @@ def test_a_value_twice_is_found_wherever_it_stands(data):
     found = contradictions(tags_of_text(text, "a"), Reading((), lambda layer: True, True))
     twice = [d for d in found if d.code == "stated-twice"]
     assert [d.message.split(" twice")[0] for d in twice] == [f"1 {kind} with group {code}"]
+
+
+def test_many_with_other_figures_are_one_finding():
+    entities = [f"0 CIRCLE 8 0 10 0 20 0 40 5 40 {k}" for k in range(6, 60)]
+    (finding,) = [d for d in read(bare(*entities), "part.dxf")[1] if d.code == "stated-twice"]
+    assert finding.message.startswith("54 CIRCLE with group 40 twice: 5 and 6 in the first (line")

@@ -74,12 +74,13 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class _Fact:
-    """One contradiction: a clause that entities of a type may share, where it is, and how bad."""
+    """One contradiction: what entities of a type may share, its figures, where, and how bad."""
 
     say: Callable[..., Diagnostic]
     code: str
     subject: str
-    text: str
+    what: str
+    figures: str
     span: Span
     place: str
 
@@ -90,12 +91,14 @@ def contradictions(tags: Tags, reading: Reading) -> list[Diagnostic]:
     found = [*_sections(tags), *_variables(tags, reading), *_layers(tags), *_blocks(look)]
     groups: dict[tuple[str, str, str, Callable[..., Diagnostic]], list[_Fact]] = {}
     for fact in (*_repeats(look), *_counts(look)):
-        groups.setdefault((fact.code, fact.subject, fact.text, fact.say), []).append(fact)
+        groups.setdefault((fact.code, fact.subject, fact.what, fact.say), []).append(fact)
     hint = "export the drawing again, or correct the line named"
-    for (code, subject, text, say), facts in groups.items():
+    for (code, subject, what, say), facts in groups.items():
         places = ", ".join(f.place for f in facts[:NAMED])
         more = f" and {len(facts) - NAMED} more" if len(facts) > NAMED else ""
-        message = f"{len(facts)} {subject} {text} ({places}{more})"
+        first = facts[0].figures
+        such = first if len({f.figures for f in facts}) == 1 else f"{first} in the first"
+        message = f"{len(facts)} {subject} {what}: {such} ({places}{more})"
         found.append(say(code, message, facts[0].span, hint=hint, count=len(facts)))
     return found
 
@@ -111,6 +114,8 @@ class _Look:
                 self.where[first:end] = 1 if name == "BLOCKS" else 2
         opens = tags.names.get("BLOCK", -1)
         self.blocks = np.flatnonzero((tags.kinds == opens) & (self.where == 1))
+        self.polylines = np.flatnonzero(tags.kinds == tags.names.get("POLYLINE", -1))
+        self.kind_of = {number: name for name, number in tags.names.items()}
 
     def entities(self, kind: str) -> Ints:
         """Return the marks of the entities of a type."""
@@ -138,8 +143,8 @@ class _Look:
         if block == mark:
             return True
         if tags.kinds[mark] == tags.names.get("VERTEX", -1):  # its polyline decides
-            before = np.flatnonzero(tags.kinds[:mark] == tags.names.get("POLYLINE", -1))
-            mark = int(before[-1]) if len(before) else mark
+            before = int(np.searchsorted(self.polylines, mark)) - 1
+            mark = int(self.polylines[before]) if before >= 0 else mark
         if any((tags.first(mark, code) or "0") not in ("", "0") for code in (60, 67)):
             return False  # invisible, or in paper space
         if tags.kinds[mark] == tags.names.get("INSERT", -1):  # its block lies on layers of its own
@@ -155,7 +160,7 @@ class _Look:
         return len({self.reading.layer(name) for name in names}) == 1
 
     def fact(
-        self, code: str, mark: int, text: str, at: int, same: bool = False, kind: str = ""
+        self, code: str, mark: int, what: str, figures: str, at: int, same: bool = False
     ) -> _Fact:
         """Return what is wrong with an entity: an error if it is read, a note if it is the same."""
         say = note if same else error if self.is_read(mark) else warning
@@ -163,7 +168,8 @@ class _Look:
             say = warning
         handle = self.tags.first(mark, 5)
         place = self.tags.place(at) + (f", #{handle}" if handle else "")
-        return _Fact(say, code, kind, text, self.tags.span(at), place)
+        kind = self.kind_of[int(self.tags.kinds[mark])]
+        return _Fact(say, code, kind, what, figures, self.tags.span(at), place)
 
 
 # --- stated twice -----------------------------------------------------------------------------
@@ -271,7 +277,7 @@ def _repeats(look: _Look) -> Iterator[_Fact]:
     """Find entities with two values where one belongs."""
     tags = look.tags
     for mark in _suspects(look).tolist():
-        kind = next(n for n, number in tags.names.items() if number == tags.kinds[mark])
+        kind = look.kind_of[int(tags.kinds[mark])]
         single, at_point = {*ALL, *SINGLE[kind]}, AT_POINT.get(kind, ())
         seen: dict[int, int] = {}
         told: dict[int, list[int]] = {}
@@ -285,19 +291,19 @@ def _repeats(look: _Look) -> Iterator[_Fact]:
             else:
                 seen[code] = at
         alike: list[bool] = []
-        texts: list[str] = []
+        texts: list[tuple[str, str]] = []
         for places in told.values():
             code = int(tags.codes[places[0]])
             values = [tags.value(at).strip() for at in places]
             alike.append(all(_same(values[0], value, code) for value in values[1:]))
             what = "the same" if alike[-1] else _listed(values)
-            texts.append(f"group {code} {_times(len(places))}: {what}")
+            texts.append((f"group {code} {_times(len(places))}", what))
         if alike:
             same = all(alike)
             worst = [t for t, a in zip(texts, alike, strict=True) if same or not a]
             places = list(told.values())[alike.index(same)]
-            text = f"with {'; '.join(worst)}"
-            yield look.fact("stated-twice", mark, text, places[-1], same, kind)
+            what, figures = ("; ".join(part) for part in zip(*worst, strict=True))
+            yield look.fact("stated-twice", mark, f"with {what}", figures, places[-1], same)
 
 
 def _suspects(look: _Look) -> Ints:
@@ -371,8 +377,9 @@ def _counts(look: _Look) -> Iterator[_Fact]:
                 mark = int(marks[k])
                 own = [c for a, c in tags.own(mark) if c == of or a == at]
                 if code in own and stated != own.count(of):
-                    text = f"with {stated} {words} stated and {own.count(of)} there"
-                    yield look.fact("stated-count", mark, text, at, kind=kind)
+                    what = f"with another number of {words} than stated"
+                    figures = f"{stated} stated, {own.count(of)} there"
+                    yield look.fact("stated-count", mark, what, figures, at)
 
 
 # --- in words ---------------------------------------------------------------------------------

@@ -238,11 +238,12 @@ def _walk(data: bytes) -> tuple[list[int], list[int], list[str], bool]:
 
     Group codes have one byte up to R12 (255 stands before those of extended data), two after.
     """
-    sizes = _sizes()
+    sizes = _sizes_by_code()
     old = _is_old(data)
     codes: list[int] = []
     offsets: list[int] = []
     kinds: list[str] = []
+    add_code, add_offset = codes.append, offsets.append
     at, last = len(BINARY), len(data)
     try:
         while at < last:
@@ -255,14 +256,14 @@ def _walk(data: bytes) -> tuple[list[int], list[int], list[str], bool]:
                 at += 3
             else:
                 at += 1
-            size = sizes.get(code, 0)
+            size = sizes[code]
             after = at + size
             if size == 0:
                 after = data.index(b"\0", at) + 1
             elif size < 0:
                 after = at + 1 + data[at]
-            codes.append(code)
-            offsets.append(at)
+            add_code(code)
+            add_offset(at)
             if code == 0:
                 kinds.append(data[at : after - 1].decode("latin-1").strip())
                 if kinds[-1] == "EOF":
@@ -292,6 +293,13 @@ def _sizes() -> dict[int, int]:
         out.update(dict.fromkeys(codes, size))
     out.update(dict.fromkeys(BINARY_DATA, -1))
     return out
+
+
+@cache
+def _sizes_by_code() -> list[int]:
+    """Return the same as a list: a look into it is faster, and there is one for every tag."""
+    sizes = _sizes()
+    return [sizes.get(code, 0) for code in range(1 << 16)]
 
 
 def _binary_value(data: bytes, at: int, code: int, encoding: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -80,3 +81,22 @@ def polygon(*points: tuple[float, float], closed: bool = True) -> list[Row]:
 
 
 SQUARE = polygon((0, 0), (10_000, 0), (10_000, 10_000), (0, 10_000))
+
+
+def as_binary(data: bytes) -> bytes:
+    """Return a text drawing as a binary one, tag by tag, whatever is wrong with it."""
+    from ezdxf.lldxf.types import DOUBLE, INT16, INT32
+
+    lines = data.decode().split("\n")
+    old = "AC1009" in lines
+    out = [b"AutoCAD Binary DXF\r\n\x1a\x00"]
+    for code_line, value in zip(lines[0::2], lines[1::2], strict=False):
+        code = int(code_line)
+        out.append(struct.pack("<B" if old else "<H", code))
+        if code in DOUBLE:
+            out.append(struct.pack("<d", float(value)))
+        elif code in INT16 or code in INT32:
+            out.append(struct.pack("<h" if code in INT16 else "<i", int(value)))
+        else:
+            out.append(value.strip().encode() + b"\0")
+    return b"".join(out)

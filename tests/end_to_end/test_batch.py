@@ -1,6 +1,7 @@
 """batch: one bad file never stops the others, and bytes do not depend on --jobs (B-01 to B-04)."""
 
 import json
+from pathlib import Path
 
 import pytest
 from test_cli import wedmcam
@@ -87,3 +88,15 @@ def test_units_fill_in_only_where_a_drawing_says_none(folder):
         json.loads(r) for r in wedmcam(*line, "--force-units", cwd=folder).stdout.splitlines()
     ]
     assert {r["units"] for r in forced} == {"um"}
+
+
+def test_quiet_shows_the_warnings_of_what_is_written(folder):
+    drawing = Path(__file__).parents[1] / "bad" / "scale-zero.dxf"
+    (folder / "in" / "scale.dxf").write_bytes(drawing.read_bytes())
+    done = wedmcam("batch", "in/scale.dxf", "-o", "out", "--offset", "0.1", "-q", cwd=folder)
+    assert done.returncode == 0
+    assert "scale.dxf:#2F layer 0: warning[scale-zero]" in done.stderr.decode()
+    rounded = drawing.with_name("rounded-turn.dxf")
+    (folder / "in" / "turn.dxf").write_bytes(rounded.read_bytes())
+    done = wedmcam("batch", "in/turn.dxf", "-o", "out", "--offset", "0.1", "-q", cwd=folder)
+    assert "turn.dxf:" not in done.stderr.decode()

@@ -58,12 +58,16 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of an item: plain data, so that it can cross a process border."""
+    """What came of an item: plain data, so that it can cross a process border.
+
+    ``warnings`` is ``text`` without the notes.
+    """
 
     item: Item
     status: int
     text: str
     record: dict[str, Any]
+    warnings: str = ""
 
 
 def find(inputs: Sequence[str], folder: str, how: Callable[[str], How]) -> list[Item]:
@@ -134,6 +138,7 @@ def make(item: Item, force_units: bool) -> Outcome:
     """Compile one drawing and write its program; never raises for what is in the drawing."""
     from wedmcam import api
     from wedmcam.cli.say import coloured
+    from wedmcam.diag import Severity
     from wedmcam.diag.render import merged, render
 
     if item.how.wrong:
@@ -155,12 +160,17 @@ def make(item: Item, force_units: bool) -> Outcome:
             output_name=item.output,
             options=replace(options, fill_in_units=not force_units),
         )
-        text = "\n".join(render(d, item.source, coloured()) for d in merged(made.findings))
+        found = merged(made.findings)
+        text, warnings = (
+            "\n".join(render(d, item.source, coloured()) for d in found if d.severity >= least)
+            for least in (Severity.NOTE, Severity.WARNING)
+        )
         if made.ok:
             assert made.data is not None
             Path(item.output).parent.mkdir(parents=True, exist_ok=True)
             write_outputs([(item.output, made.data)])
-        return Outcome(item, made.status, text, _record(item, made.status, made.summary))
+        record = _record(item, made.status, made.summary)
+        return Outcome(item, made.status, text, record, warnings)
     except WrongUse as why:
         text = f"{item.source}: error: {why}"
         return Outcome(item, 2, text, _record(item, 2, error=str(why)))
@@ -275,11 +285,11 @@ def run(
                 codes[finding["severity"], finding["code"]] += 1
             if outcome.status:
                 failed.append(outcome.item.source)
-            told = outcome.text and not (quiet and outcome.status == 0)
-            if told or json_:
+            text = outcome.warnings if quiet and outcome.status == 0 else outcome.text
+            if text or json_:
                 bar.clear()
-            if told:
-                click.echo(outcome.text, err=True)
+            if text:
+                click.echo(text, err=True)
             if json_:
                 click.echo(json.dumps(outcome.record, ensure_ascii=False))
             bar.step()

@@ -182,6 +182,58 @@ CODES: dict[str, Code] = {
         "It could also be meant as nothing.",
         "Draw a CIRCLE.",
     ),
+    "stated-twice": Code(
+        "A value that an entity or the header has once is there twice, or a section is.",
+        "Readers take the first or the last; which of two radii or units is meant cannot be told. "
+        "A note where both are the same.",
+        "Export the drawing again, or remove one of them at the line named.",
+    ),
+    "stated-count": Code(
+        "An entity states another number of vertices, knots or points than it has.",
+        "A part of it was lost, or another entity was mixed in; CAD programs refuse such a file.",
+        "Export the drawing again, or correct the count at the line named.",
+    ),
+    "block-twice": Code(
+        "A block is defined twice, or two names differ only in case, which makes no difference.",
+        "CAD programs refuse the file or take either of them; both would be cut at every INSERT.",
+        "Rename or remove one of them. A block of which nothing is cut is a warning only.",
+    ),
+    "behind-end": Code(
+        "There are data behind the end mark (EOF) of a drawing.",
+        "They are not read; a second drawing joined to the first would be missing.",
+        "Save the second drawing as a file of its own, or remove what follows the mark.",
+    ),
+    "insert-count": Code(
+        "An INSERT with a negative number of columns or rows.",
+        "How often the block is to be cut cannot be told. A number of 0 is read as 1.",
+        "Insert the block as often as it is meant, or explode it.",
+    ),
+    "scale-zero": Code(
+        "An INSERT that scales a block by 0 in x or y.",
+        "Nothing is left of the block; a contour that is meant would be missing.",
+        "Give the INSERT the scale that is meant, or delete it.",
+    ),
+    "negative-radius": Code(
+        "A CIRCLE or an ARC with a negative radius.",
+        "It is read as positive; CAD programs refuse it.",
+        "Check the size, and on which side an arc lies.",
+    ),
+    "rounded-turn": Code(
+        "An ARC or ELLIPSE a full turn but for the rounding of its angles: 12.345678 to "
+        "372.345679, 0 to 6.28319.",
+        "By the letter it would be an arc of no length; it is taken as a full circle.",
+        "Nothing; a CIRCLE is clearer.",
+    ),
+    "no-arc": Code(
+        "An ARC or ELLIPSE whose end angle is a hair over its start angle.",
+        "It has no length and is not cut; if a full circle was meant, that is missing.",
+        "Delete it, or draw a CIRCLE.",
+    ),
+    "over-turn": Code(
+        "An ARC or ELLIPSE of more than a full turn, and by more than a hair.",
+        "The full turns are left out, as in CAD programs: 0 to 365 degrees is an arc of 5.",
+        "Check it in the picture; draw a CIRCLE if one is meant.",
+    ),
     "polyline-width": Code(
         "A polyline with a width: its centre line is taken.",
         "The wire follows a line without width.",

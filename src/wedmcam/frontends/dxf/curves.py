@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.frontends.dxf.turns import Turn, turn_of
 from wedmcam.geom.curves import STRAIGHT_UM, Beziers, Ellipse, Ellipses, bezier_pieces
 from wedmcam.geom.departure import certified
 from wedmcam.geom.rounds import EXACT_UM, MEET_UM, Rounds, circle, rounds, sweep_about
@@ -29,6 +30,9 @@ ROUND_UM = 1e-3
 FLAT_UM = 1.0
 #: Coordinates beyond this, um (1000 km), are no part.
 FARTHEST_UM = 1e12
+#: Parameters of an ellipse that differ by less are the same; a turn that is whole but for less, as
+#: 2 pi is with 6 decimals, is not worth a word. Radians.
+SAME_RAD, FULL_RAD = 1e-9, 1e-6
 #: Weights of a spline that are smaller than this share of its largest make it jump.
 LIGHT = 1e-9
 #: A fit may miss its tolerance by this share, for rounding; beyond it, it is said.
@@ -97,8 +101,8 @@ def ellipses_of(rows: Rows) -> list[Ellipse]:
 # --- from entities --------------------------------------------------------------------------
 
 
-def of_ellipse(dxf: Any, scale: float, mirrored: bool) -> tuple[Ellipse, bool]:
-    """Return an ELLIPSE in um, and whether its parameters are equal: taken as a whole ellipse.
+def of_ellipse(dxf: Any, scale: float, mirrored: bool) -> tuple[Ellipse, Turn]:
+    """Return an ELLIPSE in um, and what its parameters say.
 
     Centre and axis are world coordinates; the minor axis is extrusion x major axis, so it points
     the other way where the extrusion is (0, 0, -1).
@@ -110,14 +114,16 @@ def of_ellipse(dxf: Any, scale: float, mirrored: bool) -> tuple[Ellipse, bool]:
     numbers = (cx, cy, ax, ay, side, start, end)
     if not np.isfinite(numbers).all():
         raise CurveError("bad-number", "")
-    turn, full = end - start, 2.0 * np.pi
-    equal = abs(turn) < 1e-9
-    sweep = full if equal or abs(abs(turn) - full) < 1e-6 else float(np.mod(turn, full))
-    k = scale
+    full, k = 2.0 * np.pi, scale
+    turn = turn_of(start, end, float(np.hypot(ax, ay)) * k, SAME_RAD)
+    if turn is Turn.ROUNDED and abs(abs(end - start) - full) < FULL_RAD:
+        turn = Turn.FULL
+    whole = turn in (Turn.FULL, Turn.ROUNDED, Turn.EQUAL)
+    sweep = full if whole else float(np.mod(end - start, full))
     curve = Ellipse(
         cx * k, cy * k, ax * k, ay * k, -ay * k * side, ax * k * side, start % full, sweep
     )
-    return curve, equal
+    return curve, turn
 
 
 def of_spline(entity: Any, scale: float) -> tuple[Spline | None, list[str]]:

@@ -11,6 +11,8 @@ Known traps, each measured on real drawings:
 - ``audit`` and ``recover`` of ezdxf delete good geometry and read ``2,5`` as 2. Neither is called.
   A damaged file is refused with the line, unless `salvage` gets its geometry out unchanged.
 - Whatever way a file is read, as many entities must come out of it as it states.
+- ezdxf stops at the end mark of a text file without a word, and reads over that of a binary one,
+  where a second drawing then replaces the first. Both end here at their mark.
 """
 
 from __future__ import annotations
@@ -26,13 +28,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error, note, warning
 from wedmcam.frontends.dxf.salvage import salvage
+from wedmcam.frontends.dxf.tags import BINARY, PADDING, Tags, tags_of_binary, tags_of_text
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
-BINARY = b"AutoCAD Binary DXF\r\n\x1a\x00"
 #: How other files begin that people rename to .dxf or confuse with it.
 OTHERS = (
     (b"AC10", "a DWG file", "save it as DXF in a CAD program"),
@@ -58,8 +62,6 @@ FLOATS = ((10, 59), (110, 149), (210, 239), (460, 469), (1010, 1059))
 GEOMETRY = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "SPLINE", "ELLIPSE", "INSERT")
 
 _VARIABLE = r"\$%s[ \t]*\r?\n[ \t]*%d[ \t]*\r?\n[ \t]*([^\s]+)"
-_TYPE = re.compile(r"^[ \t]*0[ \t]*\n[ \t]*([A-Z][A-Z0-9_]*)[ \t]*$", re.MULTILINE)
-_NAME = re.compile(r"\n[ \t]*2[ \t]*\n[ \t]*([A-Z]+)")
 _ESCAPE = re.compile(r"\\U\+((?!00[01])(?!D[89A-F])[0-9A-F]{4})", re.IGNORECASE)
 _CONFLICT = re.compile(r"^(?:<{7}(?: .*)?|={7}|>{7}(?: .*)?)$", re.MULTILINE)
 _CODE = re.compile(r"^\s*-?\d+\s*$")
@@ -82,6 +84,7 @@ class Loaded:
     doc: Drawing
     header: Header
     binary: bool
+    tags: Tags
 
 
 def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]:
@@ -90,7 +93,8 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
     if not data.strip():
         return None, (error("not-dxf", "the file is empty", where),)
     if data.startswith(BINARY):
-        return _parsed(None, data, Header(), file, [])
+        tags = tags_of_binary(data, file)
+        return _parsed(None, tags, Header(), _behind(tags), None)
     for magic, what, cure in OTHERS:
         if data[:64].lstrip().startswith(magic):
             return None, (error("not-dxf", f"not a DXF drawing but {what}", where, hint=cure),)
@@ -107,13 +111,29 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         span = TextSpan(file, line, 1, conflict.end() - conflict.start())
         shown = conflict.group()[:20]
         return None, (error("merge-conflict", f"a version control conflict: {shown}", span),)
-    found: list[Diagnostic] = []
+    tags = tags_of_text(text, file)
+    found = _behind(tags)
+    if found:
+        text = tags.text()
     original = text
     for repair in REPAIRS:
         text, said = repair(text, header)
         if said:
             found.append(note("repaired-drawing", said, where))
-    return _parsed(text, data, header, file, found, original)
+    return _parsed(text, tags, header, found, original)
+
+
+def _behind(tags: Tags) -> list[Diagnostic]:
+    """Return a warning where data are behind the end mark."""
+    if tags.behind is None:
+        return []
+    span, many, second = tags.behind
+    if second is None:
+        text, hint = f"{many} behind the end mark (EOF), not read", None
+    else:
+        text = f"a second drawing behind the end mark (EOF), not read: {many}"
+        hint = "save it as a file of its own, if it is meant"
+    return [warning("behind-end", text, second or span, hint=hint)]
 
 
 def _decoded(data: bytes) -> tuple[Header, str | None]:
@@ -121,7 +141,7 @@ def _decoded(data: bytes) -> tuple[Header, str | None]:
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = data.decode("utf-16", "replace")
         return _header(text.encode("ascii", "replace")), _newlines(text)
-    if b"\0" in data[:4096]:
+    if b"\0" in data[:4096].rstrip(PADDING[:-1].encode()):
         return Header(), None
     header = _header(data)
     encoding = "utf-8-sig" if data.startswith(b"\xef\xbb\xbf") else _encoding(header, data)
@@ -278,13 +298,12 @@ REPAIRS: tuple[Callable[[str, Header], tuple[str, str]], ...] = (_with_version, 
 
 def _parsed(
     text: str | None,
-    data: bytes,
+    tags: Tags,
     header: Header,
-    file: str,
     found: list[Diagnostic],
-    original: str | None = None,
+    original: str | None,
 ) -> tuple[Loaded | None, tuple[Diagnostic, ...]]:
-    """Return the document that ezdxf reads from the text, or from the data where that is None."""
+    """Return the document that ezdxf reads from the text, or from the tags where that is None."""
     import ezdxf
     from ezdxf.document import Drawing
     from ezdxf.lldxf.tagger import binary_tags_loader
@@ -296,13 +315,14 @@ def _parsed(
         if text is not None:
             doc = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]
         else:
+            data = tags.data()
             doc = Drawing.load(binary_tags_loader(data, errors="replace"))
             header = _binary_header(doc) if b"HEADER" in data[:256] else Header()
         doc.modelspace()  # a broken layout dictionary shows only now
-        lost = _lost(text, doc)
+        lost = _lost(tags, doc)
     except Exception as why:  # ezdxf raises whatever a broken file makes it stumble over
-        span, reason, plain = _fault(text, original, why, file)
-        saved = None if plain or text is None else _saved(text, header)
+        span, reason, plain = _fault(text, original, why, tags.file)
+        saved = None if plain or text is None else _saved(text, tags, header)
         if saved is not None:
             doc, done = saved
             found.append(
@@ -314,7 +334,7 @@ def _parsed(
                     hint="check the picture; exporting the drawing again is cleaner",
                 )
             )
-            return Loaded(doc, header, False), tuple(found)
+            return Loaded(doc, header, False, tags), tuple(found)
         found.append(
             error(
                 "damaged-drawing",
@@ -329,10 +349,10 @@ def _parsed(
             gc.enable()
     if lost:
         found.append(error("damaged-drawing", f"entities were lost in reading: {lost}"))
-    return Loaded(doc, header, text is None), tuple(found)
+    return Loaded(doc, header, text is None, tags), tuple(found)
 
 
-def _saved(text: str, header: Header) -> tuple[Drawing, str] | None:
+def _saved(text: str, tags: Tags, header: Header) -> tuple[Drawing, str] | None:
     """Return what `salvage` gets out of a damaged file, if every entity comes out of it."""
     import ezdxf
 
@@ -345,7 +365,7 @@ def _saved(text: str, header: Header) -> tuple[Drawing, str] | None:
     try:
         doc = ezdxf.read(io.StringIO(got.text))  # type: ignore[attr-defined]
         doc.modelspace()
-        lost = _lost(text, doc)
+        lost = _lost(tags, doc)
     except Exception:  # as before: whatever it stumbles over
         return None
     return None if lost else (doc, "; ".join(got.done))
@@ -426,23 +446,13 @@ def _is_float(text: str) -> bool:
     return True
 
 
-def _lost(text: str | None, doc: Drawing) -> str:
+def _lost(tags: Tags, doc: Drawing) -> str:
     """Return which entities that the file states the document does not hold, or nothing."""
-    if text is None:
-        return ""
-    stated: Counter[str] = Counter()
-    inside = False
-    for match in _TYPE.finditer(text):
-        kind = match.group(1)
-        if kind == "SECTION":
-            name = _NAME.match(text, match.end())
-            inside = name is not None and name.group(1) in ("BLOCKS", "ENTITIES")
-        elif kind == "ENDSEC":
-            inside = False
-        elif kind == "EOF":
-            break
-        elif inside:
-            stated[kind] += 1
+    inside = np.zeros(len(tags.marks), np.bool_)
+    for name, first, end in tags.sections:
+        inside[first:end] |= name in ("BLOCKS", "ENTITIES")
+    many = np.bincount(tags.kinds[inside], minlength=len(tags.names))
+    stated = {name: int(many[number]) for name, number in tags.names.items()}
     held = Counter(entity.dxftype() for block in doc.blocks for entity in block)
-    names = [n for n in GEOMETRY if stated[n] > held[n]]
+    names = [n for n in GEOMETRY if stated.get(n, 0) > held[n]]
     return ", ".join(f"{stated[n] - held[n]} {n}" for n in names)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import fnmatch
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any
 
@@ -32,7 +32,18 @@ START_RADIUS_UM = 1500.0
 #: Two axes are equally scaled and square to each other within this share.
 SIMILAR = 1e-9
 #: Problems of an entity that is read all the same.
-READ = ("full-arc", "clipped-block", "fit-points", "open-spline")
+READ = (
+    "full-arc",
+    "rounded-turn",
+    "no-arc",
+    "over-turn",
+    "negative-radius",
+    "clipped-block",
+    "fit-points",
+    "open-spline",
+)
+#: A block scaled by less, in x or y, has no content: 1 m of it would be 0.1 um.
+NO_SCALE = 1e-7
 #: More copies of blocks, or segments, than this are no part.
 MOST_COPIES, MOST_SEGMENTS = 200_000, 4_000_000
 
@@ -44,6 +55,10 @@ class Fate(Enum):
     HIDDEN = "hidden"
     LEFT_OUT = "left out"
     START = "start"
+
+
+#: What is cut, or says where a cut starts.
+_TAKEN = frozenset({Fate.CUT, Fate.START})
 
 
 class Layers:
@@ -106,6 +121,7 @@ class Placement:
         circles: curves that are circles but for nothing.
         curve_um: how far a curve is from its arcs at most, um; None where there is no curve.
         too_large: whether copying stopped at a limit.
+        blocks: names, in lower case, of the blocks of which something is cut, or a thread point.
     """
 
     sources: list[EntityRef] = field(default_factory=list)
@@ -127,6 +143,7 @@ class Placement:
     circles: dict[EntityRef, None] = field(default_factory=dict)
     curve_um: float | None = None
     too_large: EntityRef | None = None
+    blocks: set[str] = field(default_factory=set)
 
     def problem(self, code: str, text: str, ref: EntityRef) -> None:
         """Note that something is wrong with an entity."""
@@ -143,6 +160,12 @@ class _Copy:
     names: tuple[str, ...]
     layer: str
     hidden: bool
+
+    @property
+    def flat(self) -> bool:
+        """Whether nothing is left of it, by a scale of 0."""
+        a, b, c, d, _, _ = self.matrix
+        return bool(min(np.hypot(a, b), np.hypot(c, d)) < NO_SCALE)
 
 
 @dataclass(slots=True, eq=False)
@@ -259,9 +282,15 @@ class Placer:
             fates.append(Fate.HIDDEN if hidden else fate)
         return fates
 
+    def _shown(self, copy: _Copy) -> bool:
+        """Return whether something of a copy would be cut, or be a thread point."""
+        return not _TAKEN.isdisjoint(self._fates(copy))
+
     def _put(self, copy: _Copy) -> None:
         out, heap = self.placed, copy.heap
         fates = self._fates(copy)
+        if copy.names and not _TAKEN.isdisjoint(fates):
+            out.blocks.add(copy.names[-1])
         blocks = {i.entity for i in heap.inserts}
         bad = {p.entity for p in heap.problems if p.code not in READ}
         books = {Fate.CUT: out.cut, Fate.HIDDEN: out.hidden, Fate.LEFT_OUT: out.left_out}
@@ -410,7 +439,7 @@ class Placer:
             if insert.attributes:
                 shown = not hidden and self._layers.fate(ref.layer) is Fate.CUT
                 (out.others if shown else out.hidden)["ATTRIB", ref.layer] += insert.attributes
-            key = insert.name.casefold()
+            key = insert.name.lower()
             if key in copy.names:
                 chain = " in ".join((insert.name, *reversed(copy.names[copy.names.index(key) :])))
                 out.problem("block-cycle", chain, ref)
@@ -421,19 +450,29 @@ class Placer:
                     out.problem("missing-block", insert.name, ref)
                 continue
             heap, bx, by = block
+            via, names = (*copy.via, ref.handle), (*copy.names, key)
+            matrix = _times(copy.matrix, _local(insert, 0, 0, bx, by))
+            first = _Copy(heap, matrix, via, names, ref.layer, hidden)
+            if min(insert.columns, insert.rows) < 0:
+                if self._shown(first):
+                    grid = f"{insert.name} with {insert.columns} columns and {insert.rows} rows"
+                    out.problem("insert-count", grid, ref)
+                continue
+            if first.flat and self._shown(first):
+                out.problem("scale-zero", insert.name, ref)
+                continue
             copies = insert.columns * insert.rows
             self._copies += copies
             if self._copies > MOST_COPIES:
                 out.too_large = ref
                 return
-            via, names = (*copy.via, ref.handle), (*copy.names, key)
             for column, row in _grid(insert):
                 m = _local(insert, column, row, bx, by)
-                yield _Copy(heap, _times(copy.matrix, m), via, names, ref.layer, hidden)
+                yield replace(first, matrix=_times(copy.matrix, m))
 
     def _block(self, name: str) -> tuple[Heap, float, float] | None:
         """Return the heap of a block and its base point; None where the drawing has no such."""
-        key = name.casefold()
+        key = name.lower()  # as ezdxf: case makes no difference
         if key not in self._blocks:
             layout = self._doc.blocks.get(name)
             if layout is None or layout.block is None or layout.block.is_xref:

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
 from wedmcam.frontends.dxf import units
+from wedmcam.frontends.dxf.contradictions import Reading, contradictions
 from wedmcam.frontends.dxf.kinds import BOUNDED
 from wedmcam.frontends.dxf.load import GEOMETRY, Loaded, load
-from wedmcam.frontends.dxf.place import Census, Layers, Placement, Placer, finite
-from wedmcam.frontends.dxf.shapes import Heap, gather
+from wedmcam.frontends.dxf.place import Census, Fate, Layers, Placement, Placer, finite
+from wedmcam.frontends.dxf.shapes import Heap, gather, is_ignored
 from wedmcam.frontends.dxf.unread import unread
 from wedmcam.ir.sketch import Sketch, SketchInfo, Unread
 
@@ -97,6 +98,15 @@ def read(
     if any(kind in BOUNDED for kind, _ in placed.others):
         bounds, there = unread(loaded.doc, scale, layers, file, ignore, options.tolerance_um)
         _boundless(there, placed)
+    found += contradictions(
+        loaded.tags,
+        Reading(
+            placed.blocks,
+            lambda layer: layers.fate(layer) in (Fate.CUT, Fate.START),
+            lambda kind: not is_ignored(kind, ignore),
+            options.units is None or options.fill_in_units,
+        ),
+    )
     found += _problems(placed)
     found += _curves(placed, options, file)
     found += _said(placed, _paper_space(loaded.doc), file)
@@ -193,6 +203,36 @@ _SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
         warning,
         "{n} with a clipping boundary, which is not applied: the whole block is taken",
         None,
+    ),
+    "insert-count": (
+        error,
+        "{n} of block {text}: how often it is to be cut cannot be told",
+        "insert it as often as it is meant, or explode it",
+    ),
+    "scale-zero": (
+        warning,
+        "{n} of block {text} with a scale of 0: what is in the block is not cut",
+        "give it the scale that is meant, or delete the INSERT",
+    ),
+    "negative-radius": (
+        warning,
+        "{n} with a negative radius: taken as positive",
+        "look at the size, and at the side on which an arc lies",
+    ),
+    "rounded-turn": (
+        note,
+        "{n} a full turn but for the rounding of its angles: taken as whole",
+        "draw a CIRCLE, or a whole ELLIPSE",
+    ),
+    "no-arc": (
+        warning,
+        "{n} whose end angle is a hair over its start angle: an arc of no length, and no circle",
+        "delete it, or draw a CIRCLE if one is meant",
+    ),
+    "over-turn": (
+        warning,
+        "{n} of more than a full turn: taken without the full turns, as CAD programs do",
+        "draw a CIRCLE, if one is meant",
     ),
     "full-arc": (
         warning,
@@ -336,6 +376,8 @@ def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagn
     elif placed.others:
         kinds = sorted({kind for kind, _ in placed.others})
         why = f"it holds no lines, arcs or polylines, but {', '.join(kinds[:8])}"
+    elif blocks := [text for code, text in placed.problems if code == "scale-zero"]:
+        why, hint = f"block {', '.join(blocks[:NAMED])} is inserted with a scale of 0", None
     else:
         why = "model space is empty"
     return error(

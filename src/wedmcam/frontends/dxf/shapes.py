@@ -13,6 +13,7 @@ counter-clockwise becomes clockwise. Any other tilt is refused.
 from __future__ import annotations
 
 import fnmatch
+import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 
 from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, CurveError, of_ellipse, of_spline
 from wedmcam.frontends.dxf.kinds import ANNOTATION, BOUNDED, MESH
+from wedmcam.frontends.dxf.turns import TELLING, Turn, turn_of
 from wedmcam.ir.sketch import SEGMENT
 
 Floats = NDArray[np.float64]
@@ -250,15 +252,16 @@ def _arc(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
         return
     x, y, z = dxf.center
     heap.heights[at] = (-z if flip else z) * heap.scale
-    start, end = dxf.start_angle, dxf.end_angle
-    turn = abs(end - start)
-    if turn < FULL_DEG or abs(turn - 360.0) < FULL_DEG:
-        if turn < FULL_DEG:
-            heap.problem("full-arc", at)
-        heap.circles.append((x, y, dxf.radius, flip))
+    start, end, radius = dxf.start_angle, dxf.end_angle, _radius(heap, at, dxf)
+    angles = math.radians(start), math.radians(end)
+    turn = turn_of(*angles, radius * heap.scale, math.radians(FULL_DEG))
+    if turn in TELLING:
+        heap.problem(TELLING[turn], at)
+    if turn in (Turn.FULL, Turn.ROUNDED, Turn.EQUAL):
+        heap.circles.append((x, y, radius, flip))
         heap.circle_of.append(at)
         return
-    heap.arcs.append((x, y, dxf.radius, start, end, flip))
+    heap.arcs.append((x, y, radius, start, end, flip))
     heap.arc_of.append(at)
 
 
@@ -267,8 +270,16 @@ def _circle(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     if flip is not None:
         x, y, z = dxf.center
         heap.heights[at] = (-z if flip else z) * heap.scale
-        heap.circles.append((x, y, dxf.radius, flip))
+        heap.circles.append((x, y, _radius(heap, at, dxf), flip))
         heap.circle_of.append(at)
+
+
+def _radius(heap: Heap, at: int, dxf: Entity) -> float:
+    """Return a radius; a negative one is read as positive, and that is a problem."""
+    radius = float(dxf.radius)
+    if radius < 0.0:
+        heap.problem("negative-radius", at)
+    return abs(radius)
 
 
 def _lwpolyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
@@ -321,9 +332,9 @@ def _ellipse(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
         heap.problem("tilted", at)
         return
     heap.heights[at] = dxf.center[2] * heap.scale
-    curve, equal = of_ellipse(dxf, heap.scale, flip)
-    if equal:
-        heap.problem("full-arc", at)
+    curve, turn = of_ellipse(dxf, heap.scale, flip)
+    if turn in TELLING:
+        heap.problem(TELLING[turn], at)
     heap.curves.append((at, curve))
 
 
@@ -355,8 +366,10 @@ def _insert(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     # The grid turns with the INSERT and is not scaled.
     across, up = dxf.column_spacing, dxf.row_spacing
     step = (mirror * c * across, s * across, mirror * -s * up, c * up)
-    columns = dxf.column_count if across else 1
-    rows = dxf.row_count if up else 1
+    # A count of 0 is 1: exporters write it where there is no grid, and CAD programs show the block.
+    columns, rows = dxf.column_count or 1, dxf.row_count or 1
+    if columns > 0 and rows > 0:  # otherwise a problem of whatever shows the block
+        columns, rows = columns if across else 1, rows if up else 1
     attributes = len(entity.attribs)
     heap.inserts.append(Insert(at, str(dxf.name), matrix, columns, rows, step, attributes))
     if entity.has_extension_dict and "ACAD_FILTER" in entity.get_extension_dict():
@@ -429,17 +442,13 @@ def _of_arcs(heap: Heap) -> Rows:
     flip = raw[:, 5] != 0
     side = np.where(flip, -1.0, 1.0)
     cx, cy = side * raw[:, 0] * heap.scale, raw[:, 1] * heap.scale
-    r = np.abs(raw[:, 2]) * heap.scale
+    r = raw[:, 2] * heap.scale
     for end, angle in ((0, raw[:, 3]), (1, raw[:, 4])):
         c, s = cos_sin(np.where(np.isfinite(angle), angle, 0.0))
         out[f"x{end}"] = np.where(np.isfinite(angle), cx + side * r * c, np.nan)
         out[f"y{end}"] = cy + r * s
     out["cx"], out["cy"] = cx, cy
     out["turn"] = np.where(r == 0, 2, np.where(flip, -1, 1))  # 2: nothing, dropped below
-    # Angles a whole turn apart but for less than FULL_DEG were taken for circles before.
-    whole = np.mod(np.abs(raw[:, 4] - raw[:, 3]), 360.0) == 0
-    out["x1"] = np.where(whole, out["x0"], out["x1"])
-    out["y1"] = np.where(whole, out["y0"], out["y1"])
     out["source"] = heap.arc_of
     return out
 
@@ -449,7 +458,7 @@ def _of_circles(heap: Heap) -> Rows:
     out = np.zeros(len(raw), SEGMENT)
     out["cx"] = np.where(raw[:, 3] != 0, -1.0, 1.0) * raw[:, 0] * heap.scale
     out["cy"] = raw[:, 1] * heap.scale
-    r = np.abs(raw[:, 2]) * heap.scale
+    r = raw[:, 2] * heap.scale
     out["x0"] = out["x1"] = out["cx"] + r
     out["y0"] = out["y1"] = out["cy"]
     out["turn"] = np.where(r == 0, 2, 1)

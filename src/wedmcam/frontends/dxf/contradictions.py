@@ -1,0 +1,429 @@
+"""What a drawing states twice, or counts otherwise than it is: ezdxf passes over it in silence.
+
+Of two radii of one circle it takes the last, of two blocks of one name it puts both contents where
+either is inserted, and counts it does not read. Which of them is meant cannot be told, so it is an
+error, with the line, wherever it is about something that is read, and a warning elsewhere.
+
+Array operations find the few entities that may be concerned; only those are walked through.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Span, error, note, warning
+from wedmcam.frontends.dxf.tags import CODES, Tags
+
+Ints = NDArray[np.int64]
+
+#: Group codes that may stand once in an entity, of those that say where something is: the layer,
+#: whether it is seen, in paper space, which way its plane looks; and what each type adds. DXF
+#: reference, ENTITIES section.
+ALL = (8, 60, 67, 210, 220, 230)
+SINGLE = {
+    "LINE": (10, 20, 30, 11, 21, 31),
+    "CIRCLE": (10, 20, 30, 40),
+    "ARC": (10, 20, 30, 40, 50, 51),
+    "ELLIPSE": (10, 20, 30, 11, 21, 31, 40, 41, 42),
+    "POINT": (10, 20, 30),
+    "INSERT": (2, 10, 20, 30, 41, 42, 43, 44, 45, 50, 70, 71),
+    "POLYLINE": (70,),
+    "VERTEX": (10, 20, 30, 42, 70),
+    "LWPOLYLINE": (90, 70, 43, 38),
+    "SPLINE": (70, 71, 72, 73, 74),
+    "BLOCK": (2, 10, 20, 30),
+}
+#: Likewise, what may stand once behind each point (a code of `POINTS`) of a list of points.
+AT_POINT = {"LWPOLYLINE": (20, 40, 41, 42, 91), "SPLINE": (20, 30, 21, 31, 22, 32, 23, 33)}
+POINTS = (10, 11, 12, 13)
+#: Counts: the code that states one, and the code of which there are so many.
+COUNTS = {
+    "LWPOLYLINE": ((90, 10, "vertices"),),
+    "SPLINE": ((72, 40, "knots"), (73, 10, "control points"), (74, 11, "fit points")),
+}
+#: Variables of the header that are read; the first decides the size of the part.
+UNITS = "$INSUNITS"
+VARIABLES = (UNITS, "$MEASUREMENT", "$ACADVER", "$DWGCODEPAGE")
+COMMENT = 999
+#: Sections of which a reader takes one.
+SECTIONS = ("TABLES", "BLOCKS", "ENTITIES")
+#: Codes whose values are names, in which case makes no difference.
+NAMES = (2, 8)
+#: How many places a finding about many entities names.
+NAMED = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What of a drawing is read.
+
+    Attributes:
+        blocks: names of the blocks, in lower case, of which something is cut somewhere.
+        layer: whether what lies on a layer is cut, or is a thread point.
+        kind: whether entities of a type are read: not where they are left out by name.
+        units: whether the size follows from the drawing's own units.
+    """
+
+    blocks: Collection[str]
+    layer: Callable[[str], bool]
+    kind: Callable[[str], bool]
+    units: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Fact:
+    """One contradiction: what entities of a type may share, its figures, where, and how bad."""
+
+    say: Callable[..., Diagnostic]
+    code: str
+    subject: str
+    what: str
+    figures: str
+    span: Span
+    place: str
+
+
+def contradictions(tags: Tags, reading: Reading) -> list[Diagnostic]:
+    """Return the findings about what a file says twice, or counts otherwise than it is."""
+    look = _Look(tags, reading)
+    found = [*_sections(tags), *_variables(tags, reading), *_layers(tags), *_blocks(look)]
+    groups: dict[tuple[str, str, str, Callable[..., Diagnostic]], list[_Fact]] = {}
+    for fact in (*_repeats(look), *_counts(look)):
+        groups.setdefault((fact.code, fact.subject, fact.what, fact.say), []).append(fact)
+    hint = "export the drawing again, or correct the line named"
+    for (code, subject, what, say), facts in groups.items():
+        places = ", ".join(f.place for f in facts[:NAMED])
+        more = f" and {len(facts) - NAMED} more" if len(facts) > NAMED else ""
+        first = facts[0].figures
+        such = first if len({f.figures for f in facts}) == 1 else f"{first} in the first"
+        message = f"{len(facts)} {subject} {what}: {such} ({places}{more})"
+        found.append(say(code, message, facts[0].span, hint=hint, count=len(facts)))
+    return found
+
+
+class _Look:
+    """The entities of a file: of what type, in which section and block."""
+
+    def __init__(self, tags: Tags, reading: Reading) -> None:
+        self.tags, self.reading = tags, reading
+        self.where = np.zeros(len(tags.marks), np.int8)  # 1: in BLOCKS, 2: in ENTITIES
+        for name, first, end in tags.sections:
+            if name in ("BLOCKS", "ENTITIES"):
+                self.where[first:end] = 1 if name == "BLOCKS" else 2
+        opens = tags.names.get("BLOCK", -1)
+        self.blocks = np.flatnonzero((tags.kinds == opens) & (self.where == 1))
+        self.polylines = np.flatnonzero(tags.kinds == tags.names.get("POLYLINE", -1))
+        self.kind_of = {number: name for name, number in tags.names.items()}
+
+    def entities(self, kind: str) -> Ints:
+        """Return the marks of the entities of a type."""
+        number = self.tags.names.get(kind, -1)
+        return np.flatnonzero((self.tags.kinds == number) & (self.where > 0))
+
+    def block_of(self, mark: int) -> int | None:
+        """Return the BLOCK that an entity stands in; itself for a BLOCK."""
+        if self.where[mark] != 1:
+            return None
+        at = int(np.searchsorted(self.blocks, mark, side="right")) - 1
+        return int(self.blocks[at]) if at >= 0 else None
+
+    def block_is_read(self, mark: int) -> bool:
+        """Return whether something of a block is cut."""
+        name = (self.tags.first(mark, 2) or "").lower()
+        return name in self.reading.blocks or name.lstrip("*$") == "model_space"
+
+    def is_read(self, mark: int) -> bool:
+        """Return whether an entity is cut; True where that is not clear."""
+        tags = self.tags
+        block = self.block_of(mark)
+        if block is not None and not self.block_is_read(block):
+            return False
+        if block == mark:
+            return True
+        if tags.kinds[mark] == tags.names.get("VERTEX", -1):  # its polyline decides
+            before = int(np.searchsorted(self.polylines, mark)) - 1
+            mark = int(self.polylines[before]) if before >= 0 else mark
+        if not self.reading.kind(self.kind_of[int(tags.kinds[mark])]):
+            return False
+        if any((tags.first(mark, code) or "0") not in ("", "0") for code in (60, 67)):
+            return False  # invisible, or in paper space
+        if tags.kinds[mark] == tags.names.get("INSERT", -1):  # its block lies on layers of its own
+            return (tags.first(mark, 2) or "").lower() in self.reading.blocks
+        layer = tags.first(mark, 8) or "0"
+        if block is not None and layer == "0":  # the layer of the INSERT
+            return True
+        return self.reading.layer(layer)
+
+    def on_layers_alike(self, mark: int) -> bool:
+        """Return whether all layers that an entity names are read, or none."""
+        names = [self.tags.value(at).strip() for at, code in self.tags.own(mark) if code == 8]
+        return len({self.reading.layer(name) for name in names}) == 1
+
+    def fact(
+        self, code: str, mark: int, what: str, figures: str, at: int, same: bool = False
+    ) -> _Fact:
+        """Return what is wrong with an entity: an error if it is read, a note if it is the same."""
+        say = note if same else error if self.is_read(mark) else warning
+        if say is error and int(self.tags.codes[at]) == 8 and self.on_layers_alike(mark):
+            say = warning
+        handle = self.tags.first(mark, 5)
+        place = self.tags.place(at) + (f", #{handle}" if handle else "")
+        kind = self.kind_of[int(self.tags.kinds[mark])]
+        return _Fact(say, code, kind, what, figures, self.tags.span(at), place)
+
+
+# --- stated twice -----------------------------------------------------------------------------
+
+
+def _sections(tags: Tags) -> Iterator[Diagnostic]:
+    """Find sections that are there twice: a reader takes one of them."""
+    for name in SECTIONS:
+        heads = [int(tags.marks[mark - 1]) + 1 for other, mark, _ in tags.sections if other == name]
+        if len(heads) > 1:
+            places = " and ".join(tags.place(at) for at in heads[:NAMED])
+            yield error(
+                "stated-twice",
+                f"section {name} is there {_times(len(heads))} ({places}): two drawings in one "
+                "file, it seems",
+                tags.span(heads[1]),
+                hint="leave one of them",
+            )
+
+
+def _variables(tags: Tags, reading: Reading) -> Iterator[Diagnostic]:
+    """Find variables of the header that have two values."""
+    heads = [mark - 1 for name, mark, _ in tags.sections if name == "HEADER"]
+    stated: dict[str, list[int]] = {}
+    for head in heads:
+        first, last = int(tags.marks[head]), tags.last(head)
+        for at in (first + np.flatnonzero(tags.codes[first:last] == 9)).tolist():
+            name = tags.value(at).strip().upper()
+            if name not in VARIABLES:
+                continue
+            for following in range(at + 1, last):
+                if tags.code(following) == 9:
+                    break
+                if tags.code(following) != COMMENT:
+                    stated.setdefault(name, []).append(following)
+    for name, places in stated.items():
+        values = [tags.value(at).strip() for at in places]
+        if len(places) < 2:
+            continue
+        same = all(_same(values[0], value, 0) for value in values[1:])
+        bad = name == UNITS and reading.units and not same
+        say = error if bad else note if same else warning
+        yield say(
+            "stated-twice",
+            f"the header states {name} {_times(len(places))}: {_listed(values)} "
+            f"({' and '.join(tags.place(at) for at in places[:NAMED])})",
+            tags.span(places[1]),
+            hint="--units settles what one drawing unit is" if bad else None,
+        )
+
+
+def _layers(tags: Tags) -> Iterator[Diagnostic]:
+    """Find layers that are shown by one of two entries and not by the other."""
+    states: dict[str, dict[tuple[bool, bool], int]] = {}
+    for name, first, end in tags.sections:
+        marks = np.flatnonzero(tags.kinds[first:end] == tags.names.get("LAYER", -1)) + first
+        for mark in marks.tolist() if name == "TABLES" else ():
+            layer = tags.first(mark, 2)
+            colour, flags = (_whole(tags.first(mark, code) or "0") or 0 for code in (62, 70))
+            if layer:
+                states.setdefault(layer.lower(), {})[colour < 0, bool(flags & 1)] = mark
+    for layer, marks_of in states.items():
+        if len(marks_of) > 1:
+            places = [int(tags.marks[mark]) for mark in marks_of.values()]
+            yield error(
+                "stated-twice",
+                f"layer {_shown(layer)} is there twice, shown by one entry and hidden by another "
+                f"({' and '.join(tags.place(at) for at in places)})",
+                tags.span(places[1]),
+                hint="leave one of them",
+            )
+
+
+def _blocks(look: _Look) -> Iterator[Diagnostic]:
+    """Find blocks that are defined twice; case makes no difference in names."""
+    tags = look.tags
+    named: dict[str, list[tuple[str, int]]] = {}
+    for mark in look.blocks.tolist():
+        name = tags.first(mark, 2)
+        if name:
+            named.setdefault(name.lower(), []).append((name, mark))
+    for blocks in named.values():
+        if len(blocks) < 2:
+            continue
+        names = list(dict.fromkeys(name for name, _ in blocks))
+        marks = [mark for _, mark in blocks]
+        places = [int(tags.marks[mark]) for mark in marks]
+        read = look.block_is_read(marks[0])
+        other = (
+            f", also as {_shown(', '.join(names[1:]))}: case makes no difference"
+            if names[1:]
+            else ""
+        )
+        then = "which of them an INSERT means cannot be told" if read else "nothing of it is cut"
+        yield (error if read else warning)(
+            "block-twice",
+            f"block {_shown(names[0])} is defined {_times(len(blocks))}{other} "
+            f"({' and '.join(tags.place(at) for at in places[:NAMED])}); {then}",
+            tags.span(places[1]),
+            hint="rename or remove one of them in the CAD program" if read else None,
+        )
+
+
+def _repeats(look: _Look) -> Iterator[_Fact]:
+    """Find entities with two values where one belongs."""
+    tags = look.tags
+    for mark in _suspects(look).tolist():
+        kind = look.kind_of[int(tags.kinds[mark])]
+        single, at_point = {*ALL, *SINGLE[kind]}, AT_POINT.get(kind, ())
+        seen: dict[int, int] = {}
+        told: dict[int, list[int]] = {}
+        for at, code in tags.own(mark):
+            if at_point and code in POINTS:
+                seen = {c: a for c, a in seen.items() if c not in at_point}
+            if code not in single and code not in at_point:
+                continue
+            if code in seen:
+                told.setdefault(seen[code], [seen[code]]).append(at)
+            else:
+                seen[code] = at
+        alike: list[bool] = []
+        texts: list[tuple[str, str]] = []
+        for places in told.values():
+            code = int(tags.codes[places[0]])
+            values = [tags.value(at).strip() for at in places]
+            alike.append(all(_same(values[0], value, code) for value in values[1:]))
+            what = "the same" if alike[-1] else _listed(values)
+            texts.append((f"group {code} {_times(len(places))}", what))
+        if alike:
+            same = all(alike)
+            worst = [t for t, a in zip(texts, alike, strict=True) if same or not a]
+            places = list(told.values())[alike.index(same)]
+            what, figures = ("; ".join(part) for part in zip(*worst, strict=True))
+            yield look.fact("stated-twice", mark, f"with {what}", figures, places[-1], same)
+
+
+def _suspects(look: _Look) -> Ints:
+    """Return the marks of entities in which a code that belongs there once may be twice.
+
+    Each code that may stand once is a bit: where the sum of the bits is not their union, one is
+    there twice.
+    """
+    tags = look.tags
+    numbers = [tags.names[kind] for kind in SINGLE if kind in tags.names]
+    if not numbers:
+        return np.zeros(0, np.int64)
+    kinds = np.where(look.where > 0, tags.kinds, -1)
+    table = np.zeros((max(numbers) + 2, CODES + 1), np.int64)  # the last row: no entity of ours
+    at_point = np.zeros_like(table)
+    for kind in SINGLE:
+        if kind in tags.names:
+            row = tags.names[kind]
+            codes = (*ALL, *SINGLE[kind])
+            table[row, list(codes)] = 1 << np.arange(len(codes))
+            codes = AT_POINT.get(kind, ())
+            at_point[row, list(codes)] = 1 << np.arange(len(codes))
+    kinds = np.where(kinds <= max(numbers), kinds, -1)
+    first = int(tags.marks[0])
+    sizes = np.diff(np.r_[tags.marks, len(tags.codes)])
+    key = np.repeat(kinds, sizes) * (CODES + 1) + tags.codes[first:]
+    key[key < 0] += table.size
+    starts = tags.marks - first
+    found = _doubled(table.ravel()[key], starts)
+    bits = at_point.ravel()[key]
+    if bits.any():
+        new = np.isin(tags.codes[first:], POINTS)
+        new[starts] = True
+        points = np.flatnonzero(new)
+        twice = points[_doubled(bits, points)]
+        found = np.union1d(found, np.searchsorted(starts, twice, side="right") - 1)
+    out: Ints = found
+    return out
+
+
+def _doubled(bits: Ints, starts: Ints) -> Ints:
+    """Return the runs, between starts, in which some bit is twice."""
+    out: Ints = np.flatnonzero(
+        np.add.reduceat(bits, starts) != np.bitwise_or.reduceat(bits, starts)
+    )
+    return out
+
+
+# --- counted otherwise ------------------------------------------------------------------------
+
+
+def _counts(look: _Look) -> Iterator[_Fact]:
+    """Find entities that state another number of points than they have."""
+    tags = look.tags
+    for kind, counts in COUNTS.items():
+        marks = look.entities(kind)
+        if not len(marks):
+            continue
+        first = tags.marks[marks]
+        last = np.append(tags.marks, len(tags.codes))[marks + 1]
+        for code, of, words in counts:
+            there = np.r_[0, np.cumsum(tags.codes == of)]
+            many = there[last] - there[first]
+            places = np.flatnonzero(tags.codes == code)
+            owner = np.searchsorted(first, places, side="right") - 1
+            inside = (owner >= 0) & (places < last[owner])
+            for at, k in zip(places[inside].tolist(), owner[inside].tolist(), strict=True):
+                stated = _whole(tags.value(at))
+                if stated is None or stated == many[k]:
+                    continue
+                mark = int(marks[k])
+                own = [c for a, c in tags.own(mark) if c == of or a == at]
+                if code in own and stated != own.count(of):
+                    what = f"with another number of {words} than stated"
+                    figures = f"{stated} stated, {own.count(of)} there"
+                    yield look.fact("stated-count", mark, what, figures, at)
+
+
+# --- in words ---------------------------------------------------------------------------------
+
+
+def _same(one: str, other: str, code: int) -> bool:
+    """Return whether two values are one: as numbers, or as names.
+
+    >>> _same("5", " 5.000", 40), _same("Cut", "CUT", 8), _same("5", "7", 40)
+    (True, True, False)
+    """
+    if code in NAMES:
+        return one.strip().lower() == other.strip().lower()
+    try:
+        return float(one) == float(other)
+    except ValueError:
+        return one.strip() == other.strip()
+
+
+def _whole(text: str) -> int | None:
+    try:
+        return int(float(text))
+    except (ValueError, OverflowError):
+        return None
+
+
+def _times(many: int) -> str:
+    return "twice" if many == 2 else f"{many} times"
+
+
+def _shown(text: str) -> str:
+    """Return text of a file for a message: not too long, and nothing that moves a cursor."""
+    return "".join(c if c.isprintable() else "?" for c in text[:40])
+
+
+def _listed(values: list[str]) -> str:
+    """Return different values in words.
+
+    >>> _listed(["5", "7"]), _listed(["1", "2", "3"])
+    ('5 and 7', '1, 2 and 3')
+    """
+    shown = [_shown(value) for value in values[:NAMED]]
+    return f"{', '.join(shown[:-1])} and {shown[-1]}"

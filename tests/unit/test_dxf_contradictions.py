@@ -403,7 +403,8 @@ def test_a_value_twice_is_found_wherever_it_stands(data):
     text += "".join(f"{c}\n{v}\n" for c, v in tags) + "0\nENDSEC\n0\nEOF\n"
     from wedmcam.frontends.dxf.contradictions import Reading, contradictions
 
-    found = contradictions(tags_of_text(text, "a"), Reading((), lambda layer: True, True))
+    reading = Reading((), lambda layer: True, lambda kind: True, True)
+    found = contradictions(tags_of_text(text, "a"), reading)
     twice = [d for d in found if d.code == "stated-twice"]
     assert [d.message.split(" twice")[0] for d in twice] == [f"1 {kind} with group {code}"]
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from wedmcam import __version__, machines, offsets, pipeline
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import LineTable, Program
+from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
 from wedmcam.pipeline import Drawn, Refused, Run
@@ -385,7 +385,7 @@ def verify(
         else:
             from wedmcam.judge.figures import figures as figures_of
 
-            told, found = figures_of(decoded, LineTable(machine.table), machine.limits)
+            told, found = figures_of(decoded, machine.stepping, machine.limits)
             run.add("verify", found)
     except Refused as why:
         stage = why.stage
@@ -554,14 +554,14 @@ def _judged(
     from wedmcam.judge.judge import judge
     from wedmcam.judge.unit import in_steps
 
-    table = LineTable(machine.table)
+    stepping = machine.stepping
     textbook = pipeline.count_of(machine, options) == "textbook"
 
     def at(program: Program, strict: bool = False) -> tuple[Verdict, list[Diagnostic]]:
         return judge(
             program,
             plan,
-            table=table,
+            stepping=stepping,
             limits=machine.limits,
             count="textbook" if textbook else "exact",
             strict_order=strict,
@@ -578,7 +578,7 @@ def _judged(
         placed = replace(decoded, origin=in_steps(plan, decoded.step_um).cuts[0].thread)
         verdict, found = at(placed)
         if not verdict.ok:
-            fitted, notes = fit(decoded, plan, table=table)
+            fitted, notes = fit(decoded, plan, stepping=stepping)
             if fitted is None:
                 unfit = notes
             else:
@@ -626,7 +626,7 @@ def figures(program: Program, machine: Machine) -> dict[str, Any]:
     """Return what a program does by itself: blocks, steps, closure, extents, limits, reversals."""
     from wedmcam.judge.figures import figures as figures_of
 
-    return figures_of(program, LineTable(machine.table), machine.limits)[0]
+    return figures_of(program, machine.stepping, machine.limits)[0]
 
 
 def minutes(path_mm: float, feed_um: float) -> float:
@@ -665,8 +665,8 @@ def diff(
     (one, machine_a, _), (two, machine_b, _) = read
     if one is None or two is None:
         return None, found
-    tables = LineTable(machine_a.table), LineTable(machine_b.table)
-    return difference(one, two, *tables, 1000.0 * within_mm), found
+    steppings = machine_a.stepping, machine_b.stepping
+    return difference(one, two, *steppings, 1000.0 * within_mm), found
 
 
 def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]:

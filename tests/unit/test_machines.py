@@ -1,7 +1,6 @@
 import pytest
 
 from wedmcam import machines
-from wedmcam.ir.program import LineTable
 
 GOOD = """\
 title = "T"
@@ -24,7 +23,7 @@ def codes(text):
 def test_builtin(name):
     machine = machines.builtin(name)
     assert machine.name == name
-    assert LineTable(machine.line_table).value == machine.line_table
+    assert machine.own_stepping.value == machine.line_table
     assert machine.limits.count_um == 999_999
 
 

@@ -259,6 +259,7 @@ def _summary(
             "sha256": {"input": fingerprint(data)},
         }
     from wedmcam.judge.certificate import certificate
+    from wedmcam.machines.printed import fingerprint as profile_fingerprint
 
     result = certificate(
         verdict,
@@ -270,7 +271,7 @@ def _summary(
         input_bytes=data,
         output_bytes=out or b"",
         profile_name=machine.name,
-        profile_bytes=repr(machine).encode(),
+        profile_sha256=profile_fingerprint(machine),
         join_um=drawn.report.max_shift_um if drawn else 0.0,
         spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
         options=options.as_data(),

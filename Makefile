@@ -1,6 +1,6 @@
 # Everything sets itself up from nothing but Python 3.11 or later: its own virtual environment in
 # .venv, versions pinned in requirements.txt.
-.PHONY: help setup demo test hunt lint bench docs golden clean
+.PHONY: help setup demo test hunt lint bench bench-against same-as docs golden clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -22,6 +22,8 @@ help:
 	@echo "make hunt    run the property tests on new random examples"
 	@echo "make lint    ruff and mypy"
 	@echo "make bench   measure, as ratios side by side"
+	@echo "make bench-against REV=..  this tree against a revision, row by row"
+	@echo "make same-as REV=..        what a move must not change: programs, certificates, --json, plans"
 	@echo "make docs    write the reference pages anew (docs/codes.md, docs/profiles.md)"
 	@echo "make golden  write the golden programs anew (look at the difference!)"
 
@@ -53,6 +55,12 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+bench-against: $(READY)
+	$(BIN)/python benchmarks/against.py $(REV)
+
+same-as: $(READY)
+	$(BIN)/python tests/snapshot.py --against $(REV) $(if $(CORPUS),--corpus $(CORPUS) --plans)
 
 bench: $(READY)
 	$(BIN)/python benchmarks/report.py docs/benchmarks.md

@@ -15,8 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-from wedmcam.controller import arc_end, block_steps, deviation, position, run, trace
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable
+from wedmcam.controllers.pointwise import (
+    LineTable,
+    arc_end,
+    block_steps,
+    deviation,
+    position,
+    run,
+    trace,
+)
+from wedmcam.ir.program import BLOCK, Axis, Kind
 
 C_LOOP = r"""
 #include <stdint.h>

@@ -25,8 +25,9 @@ from stage_drawings import drawing
 
 import parts
 from oracle import chords
-from wedmcam import api, controller
-from wedmcam.ir.program import BLOCK, Axis, LineTable
+from wedmcam import api
+from wedmcam.controllers.pointwise import MIRROR
+from wedmcam.ir.program import BLOCK, Axis
 from wedmcam.judge.route import of_contours
 from wedmcam.judge.segments import nearest
 from wedmcam.transforms.compensate import compensate
@@ -124,7 +125,7 @@ def route_error(blocks, plan):
     exact, _ = of_contours([c.path for c in plan.cuts])
     worst = 0.0
     for start, b in blocks[:4]:  # some contours tell
-        at, _ = controller.trace(b, LineTable.MIRROR)
+        at, _ = MIRROR.trace(b)
         d, _ = nearest(exact, at[::3, 0] + start[0], at[::3, 1] + start[1], 100.0)
         worst = max(worst, float(d.max()))
     return worst

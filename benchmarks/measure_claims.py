@@ -21,8 +21,8 @@ import exact_arithmetic
 import parts
 import wedmcam
 from wedmcam.arithmetic import FLOAT64
-from wedmcam.controller import run
-from wedmcam.controller.processing import GAPPED, POLAR, compensated, rotated
+from wedmcam.controllers.pointwise import run
+from wedmcam.controllers.zd065 import GAPPED, POLAR, compensated, rotated
 from wedmcam.decimal8 import DECIMAL8
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.program import BLOCK, Axis, Kind

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from wedmcam import __version__, machines, offsets, pipeline
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import LineTable, Program
+from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
 from wedmcam.pipeline import Drawn, Refused, Run
@@ -259,6 +259,7 @@ def _summary(
             "sha256": {"input": fingerprint(data)},
         }
     from wedmcam.judge.certificate import certificate
+    from wedmcam.machines.printed import fingerprint as profile_fingerprint
 
     result = certificate(
         verdict,
@@ -270,7 +271,7 @@ def _summary(
         input_bytes=data,
         output_bytes=out or b"",
         profile_name=machine.name,
-        profile_bytes=repr(machine).encode(),
+        profile_sha256=profile_fingerprint(machine),
         join_um=drawn.report.max_shift_um if drawn else 0.0,
         spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
         options=options.as_data(),
@@ -385,7 +386,7 @@ def verify(
         else:
             from wedmcam.judge.figures import figures as figures_of
 
-            told, found = figures_of(decoded, LineTable(machine.table), machine.limits)
+            told, found = figures_of(decoded, machine.stepping, machine.limits)
             run.add("verify", found)
     except Refused as why:
         stage = why.stage
@@ -554,14 +555,14 @@ def _judged(
     from wedmcam.judge.judge import judge
     from wedmcam.judge.unit import in_steps
 
-    table = LineTable(machine.table)
+    stepping = machine.stepping
     textbook = pipeline.count_of(machine, options) == "textbook"
 
     def at(program: Program, strict: bool = False) -> tuple[Verdict, list[Diagnostic]]:
         return judge(
             program,
             plan,
-            table=table,
+            stepping=stepping,
             limits=machine.limits,
             count="textbook" if textbook else "exact",
             strict_order=strict,
@@ -578,7 +579,7 @@ def _judged(
         placed = replace(decoded, origin=in_steps(plan, decoded.step_um).cuts[0].thread)
         verdict, found = at(placed)
         if not verdict.ok:
-            fitted, notes = fit(decoded, plan, table=table)
+            fitted, notes = fit(decoded, plan, stepping=stepping)
             if fitted is None:
                 unfit = notes
             else:
@@ -626,7 +627,7 @@ def figures(program: Program, machine: Machine) -> dict[str, Any]:
     """Return what a program does by itself: blocks, steps, closure, extents, limits, reversals."""
     from wedmcam.judge.figures import figures as figures_of
 
-    return figures_of(program, LineTable(machine.table), machine.limits)[0]
+    return figures_of(program, machine.stepping, machine.limits)[0]
 
 
 def minutes(path_mm: float, feed_um: float) -> float:
@@ -665,8 +666,8 @@ def diff(
     (one, machine_a, _), (two, machine_b, _) = read
     if one is None or two is None:
         return None, found
-    tables = LineTable(machine_a.table), LineTable(machine_b.table)
-    return difference(one, two, *tables, 1000.0 * within_mm), found
+    steppings = machine_a.stepping, machine_b.stepping
+    return difference(one, two, *steppings, 1000.0 * within_mm), found
 
 
 def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.entered import GAPPED, Entered
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
 if TYPE_CHECKING:
@@ -210,8 +210,8 @@ def between(
 
     if machine.offsets:
         return None, None, None, [_no_outline(machine)]
-    table = LineTable(machine_in.table)
-    carried, found = carry(program, table, rules_of(machine))
+    stepping = machine_in.stepping
+    carried, found = carry(program, stepping, rules_of(machine))
     if carried is None:
         return None, None, None, found
     beside = entered or Entered()
@@ -234,7 +234,7 @@ def between(
     if has_errors(found):
         return None, made, None, found
     within = WITHIN_UM * max(1.0, program.step_um)
-    apart = difference(program, made, table, LineTable(machine.table), within)
+    apart = difference(program, made, stepping, machine.stepping, within)
     if not apart.equal:
         found.append(_differs(machine.format, program, apart))
     return (data if apart.equal else None), made, apart, found
@@ -278,7 +278,7 @@ def rules_of(machine: Machine) -> Any:
     return Rules(
         square=not text,
         square_axis=pipeline.square_axis(machine),
-        table=LineTable(machine.table),
+        stepping=machine.stepping,
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,
         words=(r"M\d{1,4}" if machine.format == "iso" else ".*") if text else "",
@@ -314,7 +314,7 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     own = machine
     if machine.format in ("rotation", "compensation"):
         own = api.machine_for("compact", None)
-    tables = LineTable(machine.table), LineTable(own.table)
+    steppings = machine.stepping, own.stepping
     program, left_out = trimmed(program)
     pieces = np.ones(len(program.blocks), np.int64)
     for last in (False,) * TRIES + (True,):
@@ -331,7 +331,7 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
             text = f"the part program made of this program does not compile: {why.message}"
             hint = "convert to .dxf, which takes any path"
             return b"", [*found, error("conversion-differs", text, hint=hint)]
-        apart = difference(program, made.program, *tables, WITHIN_UM * max(1.0, program.step_um))
+        apart = difference(program, made.program, *steppings, WITHIN_UM * max(1.0, program.step_um))
         if apart.equal:
             return data, found
         i = apart.block_a - 1

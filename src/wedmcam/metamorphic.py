@@ -18,7 +18,6 @@ from wedmcam import pipeline
 from wedmcam.diag import Diagnostic, Severity, error, note
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan
-from wedmcam.ir.program import LineTable
 from wedmcam.machines import Machine
 from wedmcam.options import Options
 from wedmcam.pipeline import Drawn, Refused, Run
@@ -156,7 +155,7 @@ def _image(name: str, drawn: Drawn, options: Options, machine: Machine, wanted: 
     verdict, found = judge(
         replace(decoded, origin=lowered.origin),
         wanted,
-        table=LineTable(machine.table),
+        stepping=machine.stepping,
         limits=machine.limits,
         count="textbook" if pipeline.count_of(machine, options) == "textbook" else "exact",
         strict_order=False,

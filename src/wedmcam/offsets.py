@@ -14,7 +14,7 @@ import numpy as np
 
 from wedmcam.diag import Diagnostic, TextSpan, has_errors
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import LineTable, Program
+from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
 
@@ -217,7 +217,7 @@ def _strays(
         if mark >= 0 and isinstance(span, TextSpan)
     }
     placed = replace(program, origin=plan.cuts[0].thread)
-    verdict, found = judge(placed, plan, table=LineTable(machine.table), limits=machine.limits)
+    verdict, found = judge(placed, plan, stepping=machine.stepping, limits=machine.limits)
     if not has_errors(found):
         return []
     t = verdict.table
@@ -272,7 +272,7 @@ def target_of(machine: Machine) -> Target:
     from wedmcam.transforms.lower import Target
 
     return Target(
-        table=LineTable(machine.line_table),
+        stepping=machine.own_stepping,
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,
         arc_um=machine.limits.arc_um,

@@ -14,7 +14,7 @@ from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, Severity, has_errors, note, option_texts
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan, Side
-from wedmcam.ir.program import Axis, LineTable, Program
+from wedmcam.ir.program import Axis, Program
 from wedmcam.ir.sketch import Sketch, ThreadPoint
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
@@ -234,7 +234,6 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     import numpy as np
 
     from wedmcam import offsets
-    from wedmcam.controller import run as stepped
     from wedmcam.ir.program import Kind, Role
     from wedmcam.source_map import block_ends, matched
     from wedmcam.transforms.rest import rest
@@ -278,7 +277,7 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
         )
     before = (lowered.blocks["cut"] == cut) & (roles == Role.CONTOUR)
     before[int(like[block]) :] = False
-    motion = stepped(lowered.blocks, LineTable(machine.table))
+    motion = machine.stepping.run(lowered.blocks)
     # Chords: good enough to tell two passes apart.
     share = np.hypot(motion.dx, motion.dy) * lowered.step_um
     arc = lowered.blocks["kind"] == Kind.ARC
@@ -302,7 +301,7 @@ def lower(made: Plan, machine: Machine, options: Options, run: Run) -> Program:
     target = Target(
         square=machine.binary,
         square_axis=square_axis(machine),
-        table=LineTable(machine.table),
+        stepping=machine.stepping,
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,
         arc_um=machine.limits.arc_um,
@@ -419,7 +418,7 @@ def prove(
     verdict, found = judge(
         decoded,
         made,
-        table=LineTable(machine.table),
+        stepping=machine.stepping,
         limits=machine.limits,
         count="textbook" if count_of(machine, options) == "textbook" else "exact",
         strict_order=strict_order,

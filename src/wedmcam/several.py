@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 from wedmcam.conversion import WITHIN_UM
 from wedmcam.diag import Diagnostic, error
-from wedmcam.ir.program import LineTable
 from wedmcam.machines import Machine
 from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
 
@@ -114,9 +113,9 @@ def _compared(made: list[Compilation]) -> Several:
     assert first.program is not None
     for other in made:
         assert other.program is not None
-        tables = LineTable(first.machine.table), LineTable(other.machine.table)
+        steppings = first.machine.stepping, other.machine.stepping
         within = WITHIN_UM * max(1.0, first.program.step_um)
-        found = difference(first.program, other.program, *tables, within)
+        found = difference(first.program, other.program, *steppings, within)
         apart.append(found.largest_um)
         if not found.equal:
             x, y = found.at[0] / 1000, found.at[1] / 1000

@@ -17,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.backends.contours import Stretch, stretches
-from wedmcam.controller import run
 from wedmcam.diag import Diagnostic, Severity, Span, error
 from wedmcam.geom import measure
 from wedmcam.ir.contour import VERTEX, Contour
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.judge import segments as exact
 from wedmcam.machines import Machine
 from wedmcam.transforms.meetings import contour_meetings
@@ -59,7 +58,7 @@ def grown(
         told for an arc.
     """
     blocks = program.blocks
-    motion = run(blocks, LineTable(machine.table))
+    motion = machine.stepping.run(blocks)
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)])
     starts = ends - np.column_stack([motion.dx, motion.dy])
     rings, found = [], []

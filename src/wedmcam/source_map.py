@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller import run as run_blocks
 from wedmcam.diag import EntityRef, Span, TextSpan
 from wedmcam.frontends.dump import where_of
 from wedmcam.geom import measure
 from wedmcam.geom import segments as seg
-from wedmcam.ir.program import Kind, LineTable, Program, Role, in_um
+from wedmcam.ir.program import Kind, Program, Role, in_um
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]
@@ -127,7 +126,7 @@ def _lent(lowered: Program) -> Ints:
 
 def block_ends(program: Program, machine: Machine) -> tuple[Ints, Ints]:
     """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
-    motion = run_blocks(program.blocks, LineTable(machine.table))
+    motion = machine.stepping.run(program.blocks)
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])
     return in_um(starts, program.step_um), in_um(ends, program.step_um)

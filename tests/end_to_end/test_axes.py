@@ -11,10 +11,10 @@ import pytest
 import wedmcam
 from drawings import drawing
 from wedmcam import api, conversion
-from wedmcam.controller import trace
+from wedmcam.controllers.pointwise import LineTable, trace
 from wedmcam.diag import has_errors
 from wedmcam.frontends import decoder
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.ir.program import Kind
 from wedmcam.machines import Axes, builtin
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "property"))

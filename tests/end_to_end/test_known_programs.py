@@ -5,9 +5,8 @@ import pytest
 import parts
 import wedmcam
 from wedmcam import api, machines
-from wedmcam.controller import run
+from wedmcam.controllers.pointwise import LineTable, run
 from wedmcam.frontends.b3 import decode
-from wedmcam.ir.program import LineTable
 
 
 @pytest.mark.parametrize("count", ["exact", "textbook"])

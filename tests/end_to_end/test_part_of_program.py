@@ -13,7 +13,6 @@ from wedmcam import api, conversion
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.entered import Entered
-from wedmcam.ir.program import LineTable
 from wedmcam.judge.difference import difference
 from wedmcam.options import Options
 
@@ -44,7 +43,7 @@ def test_golden_programs_come_back(name: str) -> None:
     assert made.ok, [str(d) for d in made.findings]
     compiled = api.compile(made.data, profile=made.machine_in, name="again.wed")
     assert compiled.ok, [str(d) for d in compiled.findings]
-    table = LineTable(made.machine_in.table)
+    table = made.machine_in.stepping
     told = difference(made.program, compiled.program, table, table)
     assert told.equal, told
 

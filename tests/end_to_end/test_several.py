@@ -10,7 +10,7 @@ from test_cli_programs import run, status
 
 from wedmcam import conversion
 from wedmcam.frontends import DECODERS
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
 from wedmcam.machines import default
 from wedmcam.options import SUFFIX_OF_FORMAT
@@ -36,7 +36,7 @@ def test_every_format_of_a_sample_is_the_same_path(sample):
     for one in made.made[1:]:
         again = conversion.convert(first.data, to=one.machine.format, format="3b")
         assert again.ok
-        tables = [LineTable(m.line_table) for m in (one.machine, again.machine)]
+        tables = [m.own_stepping for m in (one.machine, again.machine)]
         assert difference(one.program, again.made, *tables).equal
     cuts = {int((m.program.blocks["kind"] == Kind.MOVE).sum()) for m in made.made}
     assert len(cuts) == 1

@@ -18,13 +18,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from same_steps import same_steps
 
 from wedmcam import api
+from wedmcam.controllers.pointwise import LineTable, Pointwise
 from wedmcam.diag import Severity
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.difference import difference
 from wedmcam.judge.judge import judge
-from wedmcam.judge.walk import same_steps, walk
+from wedmcam.judge.walk import walk
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -73,7 +75,7 @@ class Golden:
     name: str
     program: Program
     plan: object
-    table: LineTable
+    stepping: Pointwise
     limits: object
 
 
@@ -112,7 +114,7 @@ def golden(name: str) -> Golden:
     program, machine, _ = api.read_program(GOLDEN / name)
     assert program is not None
     program = replace(program, origin=made.program.origin)
-    return Golden(name, program, made.plan, LineTable(machine.line_table), machine.limits)
+    return Golden(name, program, made.plan, machine.own_stepping, machine.limits)
 
 
 def mutants(g: Golden, rows: np.ndarray | None = None) -> Iterator[Mutant]:
@@ -120,7 +122,7 @@ def mutants(g: Golden, rows: np.ndarray | None = None) -> Iterator[Mutant]:
     blocks = g.program.blocks
     kind = blocks["kind"]
     cutting = np.flatnonzero(kind <= Kind.ARC)
-    way = walk(g.program, g.table)
+    way = walk(g.program, g.stepping)
     for row in cutting if rows is None else np.intersect1d(cutting, rows):
         r = int(row)
         for sort in SORTS:
@@ -168,7 +170,7 @@ def _mutant(sort: str, g: Golden, way: object, r: int) -> Mutant | None:
         ex, ey = (int(v) for v in way.end[r + 1] - way.start[r + 1])
         mx, my = (0, 3 if dx > 0 else -3) if abs(dx) >= abs(dy) else (-3 if dy > 0 else 3, 0)
         for row, x, y in ((r, dx + mx, dy + my), (r + 1, ex - mx, ey - my)):
-            if b["kind"][row] == Kind.LINE and not _set_line(new, row, x, y, g.table):
+            if b["kind"][row] == Kind.LINE and not _set_line(new, row, x, y, g.stepping):
                 return None
         last = r + 1
     elif sort == "mirrored arc":
@@ -204,11 +206,11 @@ def _mutant(sort: str, g: Golden, way: object, r: int) -> Mutant | None:
     return Mutant(sort, replace(g.program, blocks=new, spans=spans), r, last)
 
 
-def _set_line(blocks: np.ndarray, row: int, x: int, y: int, table: LineTable) -> bool:
+def _set_line(blocks: np.ndarray, row: int, x: int, y: int, stepping: Pointwise) -> bool:
     if abs(x) + abs(y) == 0:
         return False
     axis = Axis.X if abs(x) > abs(y) else Axis.Y
-    if abs(x) == abs(y) and table == LineTable.ROTATE and x * y < 0:
+    if abs(x) == abs(y) and stepping.table == LineTable.ROTATE and x * y < 0:
         axis = Axis.X
     blocks["x"][row], blocks["y"][row] = x, y
     blocks["count"][row], blocks["axis"][row] = max(abs(x), abs(y)), axis
@@ -235,7 +237,7 @@ def of_the_whole(g: Golden) -> Iterator[Mutant]:
             yield Mutant(sort, replace(made.program, spans=()), None, 0)
     # Each cut left out: its blocks between controls and moves, the wire moved on to the next.
     b = g.program.blocks
-    way = walk(g.program, g.table)
+    way = walk(g.program, g.stepping)
     group = np.cumsum(b["kind"] == Kind.MOVE)
     if group[-1] == 0:
         return
@@ -249,7 +251,7 @@ def of_the_whole(g: Golden) -> Iterator[Mutant]:
 def judged(g: Golden, mutant: Mutant) -> Outcome:
     """Judge a mutant in strict order."""
     apart = distance(g, mutant)
-    verdict, found = judge(mutant.program, g.plan, table=g.table, limits=g.limits)
+    verdict, found = judge(mutant.program, g.plan, stepping=g.stepping, limits=g.limits)
     errors = [d for d in found if d.severity is Severity.ERROR]
     texts = " | ".join(d.message for d in errors)
     numbers = [int(n) for n in re.findall(r"blocks? (\d+)", texts)]
@@ -258,7 +260,7 @@ def judged(g: Golden, mutant: Mutant) -> Outcome:
     return Outcome(
         mutant,
         apart,
-        apart <= FAR and same_steps(g.program, mutant.program, g.table),
+        apart <= FAR and same_steps(g.program, mutant.program, g.stepping),
         not verdict.ok,
         named,
         frozenset(d.code for d in errors),
@@ -270,5 +272,5 @@ def distance(g: Golden, mutant: Mutant) -> float:
 
     Only whether it is over `FAR` is exact above it: the comparison stops there.
     """
-    d = difference(g.program, mutant.program, g.table, g.table, FAR)
+    d = difference(g.program, mutant.program, g.stepping, g.stepping, FAR)
     return d.largest_um if d.equal else max(d.distance_um, np.nextafter(FAR, 9.0))

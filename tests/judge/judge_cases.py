@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from wedmcam import controller
+from wedmcam.controllers import pointwise as controller
+from wedmcam.controllers.pointwise import LineTable
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.plan import Cut, Plan, Side
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program
+from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 
 OFFSET = 100.0
 

@@ -10,13 +10,13 @@ import pytest
 from judge_cases import arc, control, edited, line, lower, move, part_with_hole, skew_plan
 
 from wedmcam import api
-from wedmcam.controller import block_steps
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.controllers.pointwise import block_steps, of_table
+from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge import difference as module
 from wedmcam.judge.difference import difference
 
 GOLDEN = Path(__file__).parents[1] / "golden"
-ROTATE, MIRROR = LineTable.ROTATE, LineTable.MIRROR
+ROTATE, MIRROR = of_table("rotate"), of_table("mirror")
 
 
 def places(program, table):
@@ -46,9 +46,9 @@ def test_a_program_is_itself_wherever_it_starts():
 @pytest.mark.parametrize("turn", [0.3, 1.2, -2.0])
 def test_tables_differ_by_what_the_step_loop_says(turn, size, within, monkeypatch):
     monkeypatch.setattr(module, "CHUNK", 61)
-    program = lower(skew_plan(turn, size, 33.3), ROTATE)
+    program = lower(skew_plan(turn, size, 33.3), ROTATE.table)
     found = difference(program, program, ROTATE, MIRROR, within)
-    truth = apart(places(program, ROTATE), places(program, MIRROR))
+    truth = apart(places(program, ROTATE.table), places(program, MIRROR.table))
     assert found.equal == (truth <= within)
     if found.equal:
         assert found.largest_um == pytest.approx(truth)

@@ -20,15 +20,16 @@ from judge_cases import (
     square_plan,
 )
 
+from wedmcam.controllers.pointwise import of_table
 from wedmcam.diag import Severity
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.certificate import certificate
 from wedmcam.judge.fit import fit
 from wedmcam.judge.judge import judge
 
-T = LineTable.ROTATE
+T = of_table("rotate")
 
 
 def codes(findings):
@@ -43,22 +44,22 @@ def codes(findings):
 def test_origin_is_fitted_to_the_micron(plan):
     program = lower(plan)
     lost = replace(program, origin=(0, 0))
-    fitted, findings = fit(lost, plan, table=T)
+    fitted, findings = fit(lost, plan, stepping=T)
     assert fitted is not None
     assert fitted.origin == program.origin
     assert [f.code for f in findings] == ["origin-fitted"]
-    verdict, found = judge(fitted, plan, table=T, strict_order=False)
+    verdict, found = judge(fitted, plan, stepping=T, strict_order=False)
     assert verdict.ok, found
 
 
 def test_nothing_to_fit():
     program = lower(hole_plan(Side.DIE))
-    fitted, findings = fit(program, square_plan(), table=T)
+    fitted, findings = fit(program, square_plan(), stepping=T)
     assert fitted is None
     assert codes(findings) == {"no-fit"}
     assert "19.800 x 19.800" in findings[0].message
     empty = Program(control(Kind.END))
-    assert fit(empty, square_plan(), table=T)[0] is None
+    assert fit(empty, square_plan(), stepping=T)[0] is None
 
 
 def other_way_round():
@@ -101,7 +102,7 @@ def other_way_round():
 
 def test_other_order_sense_start_and_leads_are_notes():
     plan, program = part_with_hole(), other_way_round()
-    verdict, findings = judge(program, plan, table=T, strict_order=False)
+    verdict, findings = judge(program, plan, stepping=T, strict_order=False)
     assert verdict.ok, findings
     assert {f.code for f in findings} == {"other-order"}
     assert verdict.max_deviation_um == pytest.approx(1.0)
@@ -111,9 +112,9 @@ def test_other_order_sense_start_and_leads_are_notes():
     said = " ".join(f.message for f in findings)
     assert "in the order 2, 1" in said
     assert "threaded at (-1.000, 10.000)" in said
-    strict, _ = judge(program, plan, table=T)
+    strict, _ = judge(program, plan, stepping=T)
     assert not strict.ok
-    fitted, _ = fit(replace(program, origin=(7, 7)), plan, table=T)
+    fitted, _ = fit(replace(program, origin=(7, 7)), plan, stepping=T)
     assert fitted is not None
     assert fitted.origin == program.origin
 
@@ -132,7 +133,7 @@ def test_forgeries_are_refused_there_too(row):
         return np.delete(b, row)
 
     for change in (turned, longer, missing):
-        verdict, findings = judge(edited(program, change), plan, table=T, strict_order=False)
+        verdict, findings = judge(edited(program, change), plan, stepping=T, strict_order=False)
         assert not verdict.ok
         assert codes(findings)
 
@@ -141,7 +142,9 @@ def test_overcut_and_the_way_back_on_it_are_leads():
     plan = square_plan()
     body = lower(plan).blocks[:-2]
     back = np.concatenate([body, line(1000, 0), line(-1000, 0), line(0, -900), control(Kind.STOP)])
-    verdict, findings = judge(Program(back, plan.cuts[0].thread), plan, table=T, strict_order=False)
+    verdict, findings = judge(
+        Program(back, plan.cuts[0].thread), plan, stepping=T, strict_order=False
+    )
     assert verdict.ok, findings
     # From the start of a corner arc: over the arc and back on it.
     v = np.roll(plan.cuts[0].path.vertices[:-1], -1)
@@ -155,7 +158,7 @@ def test_overcut_and_the_way_back_on_it_are_leads():
     over.append(arc_to((10100, 0), (10000, -100), (10000, 0), -1))
     program = Program(np.concatenate([rows[:-2], *over, rows[-2:]]), (10000, -1000))
     for asked in (round_, plan):
-        verdict, findings = judge(program, asked, table=T, strict_order=False)
+        verdict, findings = judge(program, asked, stepping=T, strict_order=False)
         assert verdict.ok, findings
         assert verdict.closure_um == 0
 
@@ -171,10 +174,10 @@ def test_lead_through_the_part_and_missing_hole_are_refused_there_too():
     blocks["count"][11] = max(abs(blocks["x"][11]), abs(blocks["y"][11]))
     blocks["axis"][11] = Axis.Y
     forged = Program(blocks, (1000, 10000))
-    verdict, findings = judge(forged, plan, table=T, strict_order=False)
+    verdict, findings = judge(forged, plan, stepping=T, strict_order=False)
     assert "gouge" in codes(findings)
     only = Program(program.blocks[:10].copy(), program.origin)
-    verdict, findings = judge(only, plan, table=T, strict_order=False)
+    verdict, findings = judge(only, plan, stepping=T, strict_order=False)
     assert {"missing-cut", "missing-piece"} <= codes(findings)
     assert verdict.contours == 1
 
@@ -183,12 +186,12 @@ def test_textbook_count_tells_both_machines():
     """J by geometry for an arc of odd radius: right where ends are recomputed, off in steps."""
     plan = skew_plan(0.3, 20000.0)
     program = lower(plan)
-    exact, _ = judge(program, plan, table=T)
+    exact, _ = judge(program, plan, stepping=T)
     assert exact.ok
     assert exact.stepped_closure_um is None
     # The published hole: both machines close it.
     hole = hole_plan(Side.DIE)
-    verdict, findings = judge(lower(hole), hole, table=T, count="textbook")
+    verdict, findings = judge(lower(hole), hole, stepping=T, count="textbook")
     assert verdict.ok
     assert not findings
     assert (verdict.closure_um, verdict.stepped_closure_um) == (0.0, 0.0)
@@ -210,12 +213,12 @@ def test_textbook_count_tells_both_machines():
     rows["count"][1] = 4 * round(r)
     rows["axis"][1] = Axis.Y
     written = Program(rows, (0, 0))
-    verdict, findings = judge(written, odd, table=T, count="textbook")
+    verdict, findings = judge(written, odd, stepping=T, count="textbook")
     assert verdict.ok, findings
     assert verdict.closure_um == 0
     assert verdict.stepped_closure_um > 0
     assert [f.code for f in findings] == ["stepped-differs"]
-    assert not judge(written, odd, table=T)[0].ok
+    assert not judge(written, odd, stepping=T)[0].ok
 
 
 def test_certificate_is_plain_and_the_same_every_time():
@@ -223,7 +226,7 @@ def test_certificate_is_plain_and_the_same_every_time():
     program = lower(plan)
 
     def make():
-        verdict, findings = judge(program, plan, table=T)
+        verdict, findings = judge(program, plan, stepping=T)
         return json.dumps(
             certificate(
                 verdict,
@@ -259,7 +262,7 @@ def test_certificate_is_plain_and_the_same_every_time():
 def test_certificate_of_a_refused_program_is_plain_too():
     plan = square_plan()
     program = edited(lower(plan), lambda b: np.delete(b, 3))
-    verdict, findings = judge(program, plan, table=T, count="textbook")
+    verdict, findings = judge(program, plan, stepping=T, count="textbook")
     data = certificate(
         verdict,
         findings,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from judge_cases import circle, edited, hole_plan, lower, part_with_hole, skew_plan, square_plan
 
+from wedmcam.controllers.pointwise import LineTable, of_table
 from wedmcam.ir.plan import Cut, Plan, Side
-from wedmcam.ir.program import LineTable
 from wedmcam.judge import survey as survey_module
-from wedmcam.judge.bounds import bound, extents
+from wedmcam.judge.bounds import bound
 from wedmcam.judge.deviation import measure
 from wedmcam.judge.judge import _follow, judge
 from wedmcam.judge.route import plan_route
@@ -33,7 +33,7 @@ PLANS = {
 
 
 def tracked(plan, program, table):
-    way = walk(program, table)
+    way = walk(program, of_table(table))
     assigned, _ = assign(program, runs(way), plan.cuts)
     cuts = [plan.cuts[a.cut] for a in assigned]
     route = plan_route(cuts, [False] * len(cuts))
@@ -41,6 +41,11 @@ def tracked(plan, program, table):
     t = _follow(way, route, assigned)
     done = ~np.isnan(t.high)
     return way, index[done], t.low[done], t.high[done], route
+
+
+def boxed(way, index):
+    rows = (way.blocks[index], way.steps[index], way.start[index], way.end[index])
+    return way.stepping.extents(*rows)
 
 
 @pytest.mark.parametrize("table", LineTable)
@@ -68,7 +73,7 @@ def test_bounds_hold(name, table):
         assert (stray[k] + before[k] >= m.stray[k] - 1e-6).all()
         start = case[0].start[case[1]]  # what is measured are the places after steps
         low, high = np.minimum(m.extents[:2], start.min(0)), np.maximum(m.extents[2:], start.max(0))
-        assert extents(case[0], case[1]).tolist() == [*low, *high]
+        assert boxed(case[0], case[1]).tolist() == [*low, *high]
         if change is None:
             assert k.all() or "skew" in name  # small corners are measured
             slack = b.deviation[k] - m.deviation[k]
@@ -80,7 +85,7 @@ def test_bounds_hold(name, table):
 def test_figures_are_those_of_measuring_everything(name, table, monkeypatch):
     plan = PLANS[name]
     program = lower(plan, table)
-    few, found_few = judge(program, plan, table=table)
+    few, found_few = judge(program, plan, stepping=of_table(table))
     whole = survey_module.everything
     monkeypatch.setattr(
         "wedmcam.judge.judge.survey",
@@ -88,7 +93,7 @@ def test_figures_are_those_of_measuring_everything(name, table, monkeypatch):
             way, index, low, high, route, kept
         ),
     )
-    every, found = judge(program, plan, table=table)
+    every, found = judge(program, plan, stepping=of_table(table))
     assert few.ok == every.ok
     assert [f.message for f in found_few] == [f.message for f in found]
     for figure in ("max_deviation_um", "lead_deviation_um", "gouge_um", "extents_um", "closure_um"):
@@ -118,7 +123,7 @@ def test_most_blocks_are_not_stepped(monkeypatch):
         return measure(way, index, *more)
 
     monkeypatch.setattr(survey_module, "measure", counted)
-    verdict, findings = judge(program, plan, table=LineTable.ROTATE)
+    verdict, findings = judge(program, plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok, findings
     assert verdict.max_deviation_um == pytest.approx(1.0, abs=1e-6)
     assert sum(stepped) < verdict.blocks / 4

@@ -9,7 +9,7 @@ from test_judge_bounds import PLANS, tracked
 
 import parts
 from wedmcam import pipeline
-from wedmcam.ir.program import LineTable
+from wedmcam.controllers.pointwise import LineTable
 from wedmcam.judge.bounds import bound
 from wedmcam.judge.deviation import measure
 from wedmcam.judge.extremes import extremes

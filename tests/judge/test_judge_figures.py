@@ -12,9 +12,9 @@ from judge_cases import (
     square_plan,
 )
 
-from wedmcam.controller import block_steps
+from wedmcam.controllers.pointwise import LineTable, block_steps, of_table
 from wedmcam.ir.plan import Side
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.ir.program import Kind
 from wedmcam.judge.judge import judge
 from wedmcam.judge.witness import swept_gouge
 
@@ -80,7 +80,7 @@ def farthest(a, b):
 def test_deviation_is_that_of_brute_force(turn, size, table):
     plan = skew_plan(turn, size, 33.3)
     program = lower(plan, table)
-    verdict, _ = judge(program, plan, table=table)
+    verdict, _ = judge(program, plan, stepping=of_table(table))
     (places,) = stepped(program, table)
     route = dense(plan.cuts[0], 0.4)
     # Leads are counted apart, and overlap each other: of the two figures the larger.
@@ -109,7 +109,7 @@ def test_deviation_is_that_of_brute_force(turn, size, table):
 )
 def test_gouge_is_that_of_the_witness(plan, table):
     program = lower(plan, table)
-    verdict, findings = judge(program, plan, table=table)
+    verdict, findings = judge(program, plan, stepping=of_table(table))
     assert verdict.ok, findings
     places = np.concatenate(stepped(program, table))
     assert verdict.gouge_um == pytest.approx(swept_gouge(plan, places), abs=0.1)
@@ -120,7 +120,7 @@ def test_gouge_is_that_of_the_witness(plan, table):
 def test_published_hole_closes_and_is_within_a_micron():
     program = lower(hole_plan(Side.DIE))
     assert program.blocks["count"].tolist()[:3] == [9900, 39600, 9900]
-    verdict, findings = judge(program, hole_plan(Side.DIE), table=LineTable.ROTATE)
+    verdict, findings = judge(program, hole_plan(Side.DIE), stepping=of_table(LineTable.ROTATE))
     assert verdict.ok
     assert not findings
     assert (verdict.closure_um, verdict.blocks, verdict.controls) == (0.0, 3, 1)
@@ -131,7 +131,7 @@ def test_published_hole_closes_and_is_within_a_micron():
 
 def test_inner_corners_of_a_die_are_told():
     plan = square_plan(side=Side.DIE)
-    verdict, findings = judge(lower(plan), plan, table=LineTable.ROTATE)
+    verdict, findings = judge(lower(plan), plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.uncut_um == pytest.approx(100 * (np.sqrt(2) - 1))
     assert [f.code for f in findings] == ["uncut-corner"]
 
@@ -139,7 +139,7 @@ def test_inner_corners_of_a_die_are_told():
 def test_table_names_every_block():
     plan = part_with_hole()
     program = lower(plan)
-    verdict, _ = judge(program, plan, table=LineTable.ROTATE)
+    verdict, _ = judge(program, plan, stepping=of_table(LineTable.ROTATE))
     t = verdict.table
     cutting = np.flatnonzero(program.blocks["kind"] <= Kind.ARC)
     assert t.block.tolist() == (cutting + 1).tolist()

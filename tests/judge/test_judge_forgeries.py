@@ -23,19 +23,20 @@ from judge_cases import (
     square_outside,
     square_plan,
 )
+from same_steps import same_steps
 
+from wedmcam.controllers.pointwise import LineTable, of_table
 from wedmcam.diag import Severity, TextSpan
 from wedmcam.ir.plan import Cut, Plan, Side
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.judge import judge
-from wedmcam.judge.walk import same_steps
 
 TABLES = list(LineTable)
 
 
 def refuse(program, plan, table=LineTable.ROTATE, **more):
     """Judge, demand a refusal, return {code: message} of the errors."""
-    verdict, findings = judge(program, plan, table=table, **more)
+    verdict, findings = judge(program, plan, stepping=of_table(table), **more)
     errors = [f for f in findings if f.severity is Severity.ERROR]
     assert not verdict.ok
     assert errors
@@ -190,7 +191,7 @@ def test_limits():
 
     plan = square_plan()
     program = lower(plan)
-    _, findings = judge(program, plan, table=LineTable.ROTATE, limits=Small())
+    _, findings = judge(program, plan, stepping=of_table(LineTable.ROTATE), limits=Small())
     said = [f.message.split(":")[0] for f in findings if f.code == "block-limit"]
     # Three long sides by J and again by x or y; four corner arcs of radius 100.
     rows = program.blocks
@@ -207,7 +208,7 @@ def test_findings_point_to_the_source():
     program = lower(plan)
     spans = tuple(TextSpan("part.3b", n + 1, 1) for n in range(len(program.blocks)))
     program = replace(change(program, 3, turn=-1), spans=spans)
-    _, findings = judge(program, plan, table=LineTable.ROTATE)
+    _, findings = judge(program, plan, stepping=of_table(LineTable.ROTATE))
     assert str(findings[0].span) == "part.3b:4:1"
     assert findings[0].points_mm
 
@@ -225,7 +226,7 @@ def test_die_for_part_even_where_the_plan_itself_is_wrong(table):
         plan = Plan((Cut(square(10000), path, thread),), (square(10000),), (0,), side, d)
         errors = refuse(lower(plan, table), plan, table)
         assert "the wire is 0.200 mm deep" in errors["gouge"]
-        verdict, _ = judge(lower(plan, table), plan, table=table)
+        verdict, _ = judge(lower(plan, table), plan, stepping=of_table(table))
         assert verdict.gouge_um >= 2 * d - 1e-9
         assert "missing-piece" in errors
 
@@ -289,7 +290,7 @@ def test_a_side_of_the_outline_left_out_of_the_plan():
     wide = replace(plan, cuts=(replace(plan.cuts[0], path=type(plan.cuts[0].path)(v, True)),))
     errors = refuse(lower(wide), wide)
     assert "% of its segments" in errors["missing-piece"]
-    verdict, findings = judge(lower(wide), wide, table=LineTable.ROTATE, trimmed=True)
+    verdict, findings = judge(lower(wide), wide, stepping=of_table(LineTable.ROTATE), trimmed=True)
     assert verdict.ok
     assert {f.code for f in findings} == {"missing-piece"}
 
@@ -387,7 +388,7 @@ def test_stop_is_asked_for_and_at_its_place():
     last = len(program.blocks) - 3  # half of the lower side, 5 mm long, then out, then DD
     assert program.blocks["count"][last] == 5000
     good = paused(program, last, 3000)
-    verdict, findings = judge(good, plan, table=LineTable.ROTATE)
+    verdict, findings = judge(good, plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok, findings
     assert verdict.closure_um == 0
     assert "has 0 pauses" in refuse(program, plan)["stop-point"]
@@ -403,7 +404,9 @@ def test_overcut_straight_out_or_back():
     out = np.concatenate([body, line(1000, 0), line(-1000, -900), control(Kind.STOP)])
     back = np.concatenate([body, line(1000, 0), line(-1000, 0), line(0, -900), control(Kind.STOP)])
     for blocks in (out, back):
-        verdict, findings = judge(replace(program, blocks=blocks), plan, table=LineTable.ROTATE)
+        verdict, findings = judge(
+            replace(program, blocks=blocks), plan, stepping=of_table(LineTable.ROTATE)
+        )
         assert verdict.ok, findings
         assert verdict.closure_um == 0
     assert refuse(program, plan)
@@ -430,7 +433,7 @@ def test_programs_of_the_same_steps():
     )
     split = edited(program, lambda x: np.concatenate([x[:1], halves, x[2:]]))
     assert same_steps(program, split)
-    verdict, _ = judge(split, plan, table=LineTable.ROTATE)
+    verdict, _ = judge(split, plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok
     assert not same_steps(program, change(program, 1, turn=-1))
     assert not same_steps(program, change(program, 1, count=b["count"] + 1))
@@ -453,7 +456,7 @@ def test_arcs_may_be_split_anywhere_and_lines_too():
         parts = np.concatenate([line(sx * k, sy * k) for k in (1, n // 2, n - n // 2 - 1) if k])
         split = edited(program, lambda x, r=row, p=parts: np.concatenate([x[:r], p, x[r + 1 :]]))
         assert same_steps(program, split)
-        verdict, findings = judge(split, plan, table=LineTable.ROTATE)
+        verdict, findings = judge(split, plan, stepping=of_table(LineTable.ROTATE))
         assert verdict.ok, findings
 
 
@@ -467,7 +470,7 @@ def test_collinear_segments_may_run_as_one_block():
     half = np.insert(more, 2, more[1])
     half[2]["x"], half[2]["y"] = 10000 + c, -c
     fine = replace(plan, cuts=(replace(plan.cuts[0], path=type(plan.cuts[0].path)(half, True)),))
-    verdict, findings = judge(lower(plan), fine, table=LineTable.ROTATE)
+    verdict, findings = judge(lower(plan), fine, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok, findings
     assert verdict.max_deviation_um <= 1.0 + 1e-9
 
@@ -489,7 +492,7 @@ def test_open_contour_on_the_line():
     )
     plan = Plan((Cut(path, path, (0, 0)),), (path,), (0,), Side.ON, 0.0)
     program = lower(plan)
-    verdict, findings = judge(program, plan, table=LineTable.ROTATE)
+    verdict, findings = judge(program, plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok, findings
     assert (verdict.closure_um, verdict.gouge_um, verdict.uncut_um) == (None, None, None)
     short = edited(program, lambda b: np.delete(b, 1))
@@ -504,7 +507,7 @@ def test_hundred_holes():
         cuts.append(Cut(outlines[-1], circle(x, y, 900), (x, y), number=k + 1))
     plan = Plan(tuple(cuts), tuple(outlines), (0,) * 100, Side.DIE, OFFSET)
     program = lower(plan)
-    verdict, findings = judge(program, plan, table=LineTable.ROTATE)
+    verdict, findings = judge(program, plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok, findings
     assert verdict.contours == 100
     row = int(np.flatnonzero(program.blocks["kind"] == Kind.ARC)[57])

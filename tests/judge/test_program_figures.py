@@ -9,8 +9,8 @@ import pytest
 from judge_cases import arc, control, line, lower, move, part_with_hole, skew_plan
 
 from wedmcam import api, machines
-from wedmcam.controller import block_steps
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.controllers.pointwise import LineTable, block_steps, of_table
+from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.figures import figures
 
 LIMITS = machines.default("3b").limits
@@ -49,7 +49,7 @@ def test_figures_are_those_of_the_step_loop(table, monkeypatch):
 def test_published_hole():
     rows = [line(9900, 0), arc(9900, 0, 1, Axis.Y, 39600), line(-9900, 0), control(Kind.STOP)]
     program = Program(np.concatenate(rows))
-    f, _ = figures(program, LineTable.ROTATE, LIMITS)
+    f, _ = figures(program, of_table(LineTable.ROTATE), LIMITS)
     assert f["path_mm"] == pytest.approx(2 * 9.9 + 2 * np.pi * 9.9, abs=0.001)
     assert f["steps"] == 9900 + 79200 + 9900
     assert f["reversals"] == {"x": 3, "y": 2}
@@ -66,16 +66,16 @@ def test_what_cannot_run_is_found():
     forged = np.concatenate([line(50, 0), line(50, 0), arc(1, 0, 1, Axis.Y, 9), line(9, 0)])
     forged["axis"][1] = Axis.Y
     forged["count"][3] = 1_000_000
-    _, found = figures(Program(forged), LineTable.ROTATE, LIMITS)
+    _, found = figures(Program(forged), of_table(LineTable.ROTATE), LIMITS)
     said = {(d.code, d.message.split()[1].rstrip(":")) for d in found}
     assert {("endless-block", "2"), ("endless-block", "3"), ("block-limit", "4")} <= said
 
 
 def test_closure_is_of_each_cut():
     rows = [line(500, 0), line(-499, 0), move(0, 700), line(20, 0), line(-20, 0)]
-    f, _ = figures(Program(np.concatenate(rows)), LineTable.ROTATE, LIMITS)
+    f, _ = figures(Program(np.concatenate(rows)), of_table(LineTable.ROTATE), LIMITS)
     assert (f["contours"], f["closure_um"], f["moves"]) == (2, 1.0, 1)
-    f, _ = figures(Program(line(500, 0)), LineTable.ROTATE, LIMITS)
+    f, _ = figures(Program(line(500, 0)), of_table(LineTable.ROTATE), LIMITS)
     assert f["closure_um"] is None
-    f, _ = figures(Program(control(Kind.END)), LineTable.ROTATE, LIMITS)
+    f, _ = figures(Program(control(Kind.END)), of_table(LineTable.ROTATE), LIMITS)
     assert (f["contours"], f["steps"], f["extents_um"]) == (0, 0, [0, 0, 0, 0])

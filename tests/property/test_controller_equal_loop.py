@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wedmcam.controller import (
+from wedmcam.controllers.pointwise import (
+    LineTable,
     arc_end,
     block_steps,
     deviation,
@@ -20,7 +21,7 @@ from wedmcam.controller import (
     run,
     trace,
 )
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable
+from wedmcam.ir.program import BLOCK, Axis, Kind
 
 AXES = tuple(Axis)
 

@@ -12,10 +12,10 @@ from test_programs import programs
 
 from wedmcam import api, conversion
 from wedmcam.backends import encoder
+from wedmcam.controllers.pointwise import LineTable
 from wedmcam.diag import has_errors
 from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
-from wedmcam.ir.program import LineTable
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin, names
 
@@ -43,7 +43,7 @@ def test_iso_round_trip(program, name):
     machine = builtin(name)
     again, found = decoder("iso")(data, machine, "k.nc")
     assert not has_errors(found)
-    assert difference(program, again, ROTATE, LineTable(machine.line_table)).equal
+    assert difference(program, again, ROTATE, machine.own_stepping).equal
     # What was written is the normal form: it stays as it is, to the byte.
     assert encoder("iso")(again, machine)[0].replace(b"\r", b"") == data.replace(b"\r", b"")
     assert identify(data).format == "iso"

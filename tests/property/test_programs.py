@@ -9,13 +9,13 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from wedmcam.backends import encoder
+from wedmcam.controllers.pointwise import LineTable
 from wedmcam.diag import has_errors
-from wedmcam.formats import b3 as b3_rules
 from wedmcam.formats import compact as compact_rules
 from wedmcam.frontends import decoder, records
 from wedmcam.frontends.identify import identify
 from wedmcam.frontends.plain import plain
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program
+from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 from wedmcam.machines import Layout, Words, builtin, names
 
 B3 = [n for n in names() if builtin(n).format == "3b"]
@@ -30,7 +30,7 @@ def line(draw, format_, kind=Kind.LINE):
     x, y = draw(st.tuples(six, six).filter(any))
     x, y = draw(sign) * x, draw(sign) * y
     if format_ == "3b":
-        axis = int(b3_rules.line_axis(np.array([x]), np.array([y]), LineTable.ROTATE)[0])
+        axis = int(LineTable.ROTATE.line_count(np.array([x]), np.array([y]))[0][0])
     else:
         axis = int(compact_rules.line_count(np.array([x]), np.array([y]))[0][0])
     return [(kind, 0, axis, x, y, max(abs(x), abs(y)))]

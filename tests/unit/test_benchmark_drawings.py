@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from wedmcam import api
-from wedmcam.controller import run, trace
+from wedmcam.controllers.pointwise import run, trace
 from wedmcam.ir.program import Kind
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")

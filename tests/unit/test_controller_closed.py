@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from wedmcam.controller import (
+from wedmcam.controllers.pointwise import (
+    LineTable,
     arc_end,
     block_steps,
     deviation,
@@ -14,7 +15,7 @@ from wedmcam.controller import (
     run,
     trace,
 )
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable
+from wedmcam.ir.program import BLOCK, Axis, Kind
 
 X, Y, SQUARE = Axis.X, Axis.Y, Axis.SQUARE
 LINE, ARC = Kind.LINE, Kind.ARC

@@ -2,8 +2,15 @@
 
 import pytest
 
-from wedmcam.controller import arc_quadrant, arc_steps, block_steps, line_axis, line_steps
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable
+from wedmcam.controllers.pointwise import (
+    LineTable,
+    arc_quadrant,
+    arc_steps,
+    block_steps,
+    line_axis,
+    line_steps,
+)
+from wedmcam.ir.program import BLOCK, Axis, Kind
 
 X, Y, SQUARE = Axis.X, Axis.Y, Axis.SQUARE
 

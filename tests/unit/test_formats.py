@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from wedmcam.controller import arc_quadrant
+from wedmcam.controllers.pointwise import LineTable, arc_quadrant
 from wedmcam.formats import b3, compact, lines, quadrants
-from wedmcam.ir.program import Axis, Kind, LineTable
+from wedmcam.ir.program import Axis, Kind
 
 
 @pytest.mark.parametrize("turn", [1, -1])
@@ -33,8 +33,8 @@ def test_instruction_names():
 def test_line_axis_ties():
     # 2-3b.md: X = Y: GY in quadrants 1, 3, GX in 2, 4; ZD-065: y at a tie
     x, y = np.array([3, -3, -3, 3]), np.array([3, 3, -3, -3])
-    assert b3.line_axis(x, y, LineTable.ROTATE).tolist() == [1, 0, 1, 0]
-    assert b3.line_axis(x, y, LineTable.MIRROR).tolist() == [1, 1, 1, 1]
+    assert LineTable.ROTATE.line_count(x, y)[0].tolist() == [1, 0, 1, 0]
+    assert LineTable.MIRROR.line_count(x, y)[0].tolist() == [1, 1, 1, 1]
     assert compact.line_count(x, y)[0].tolist() == [1, 1, 1, 1]
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from wedmcam import api
-from wedmcam.controller import run
+from wedmcam.controllers.pointwise import LineTable, run
 from wedmcam.diag import Severity
 from wedmcam.frontends import decoder
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.ir.program import Kind
 from wedmcam.machines import Iso, builtin
 
 UM, MM = builtin("iso-um"), builtin("iso-mm")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from wedmcam import machines
 from wedmcam.backends.gap import encode, outline
-from wedmcam.controller.processing import compensated
+from wedmcam.controllers.zd065 import compensated
 from wedmcam.diag import Severity
 from wedmcam.frontends.gap import decode, read
 from wedmcam.frontends.identify import identify

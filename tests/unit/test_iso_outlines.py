@@ -9,7 +9,6 @@ import pytest
 
 from wedmcam import api, conversion, offsets
 from wedmcam.entered import Entered
-from wedmcam.ir.program import LineTable
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin
 from wedmcam.machines.machine import Axes
@@ -45,7 +44,7 @@ def test_the_controllers_path_is_that_of_3b(name):
     """Where paths start at one place they are one path; the others are held to the plan alone."""
     made = compiled(name, "iso-g41-mm")
     other = compiled(name, "b3-compact")
-    table = LineTable(made.machine.table)
+    table = made.machine.stepping
     assert difference(other.program, made.program, table, table, 1.0).equal
     back = conversion.convert(
         made.data, to="3b", name="x.nc", profile_in="iso-g41-mm", entered=Entered(d=made.options.d)

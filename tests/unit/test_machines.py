@@ -1,7 +1,9 @@
+from dataclasses import replace
+
 import pytest
 
 from wedmcam import machines
-from wedmcam.ir.program import LineTable
+from wedmcam.machines.printed import as_toml, fingerprint
 
 GOOD = """\
 title = "T"
@@ -24,7 +26,7 @@ def codes(text):
 def test_builtin(name):
     machine = machines.builtin(name)
     assert machine.name == name
-    assert LineTable(machine.line_table).value == machine.line_table
+    assert machine.own_stepping.table == machine.line_table
     assert machine.limits.count_um == 999_999
 
 
@@ -115,3 +117,14 @@ def test_axes_are_checked():
     assert codes(steps) == []
     assert codes(steps + '[iso]\ncompensation = "controller"\n') == ["profile-value"]
     assert codes(GOOD + "axes = true\n") == ["profile-key"]  # it stands in [limits]
+
+
+def test_the_fingerprint_of_a_profile_is_of_its_values_alone():
+    builtin = machines.builtin("b3-compact")
+    again, _ = machines.of_file(as_toml(builtin), "other.toml")
+    assert fingerprint(again) == fingerprint(builtin)
+    slower = replace(builtin, limits=replace(builtin.limits, line_um=9_999))
+    assert fingerprint(slower) != fingerprint(builtin)
+    assert len({fingerprint(machines.builtin(n)) for n in machines.names()}) == len(
+        machines.names()
+    )

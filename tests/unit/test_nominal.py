@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wedmcam.controller.nominal import nominal_count, nominal_end
+from wedmcam.controllers.pointwise.nominal import nominal_count, nominal_end
 from wedmcam.ir.program import Axis
 
 

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wedmcam import machines, probe
-from wedmcam.controller import block_steps
+from wedmcam.controllers.pointwise import LineTable, block_steps
 from wedmcam.diag import Severity
 from wedmcam.frontends import decoder
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.ir.program import Kind
 from wedmcam.machines import Axes
 from wedmcam.probe import PARTS, Behaviour, Record, behaviours, stops
 from wedmcam.probe.answers import ROOM, Readings, _kinds

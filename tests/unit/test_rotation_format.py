@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from wedmcam import machines
 from wedmcam.backends.compact import encode as encode_compact
 from wedmcam.backends.rotation import encode
-from wedmcam.controller.processing import POLAR, rotated, square_count
+from wedmcam.controllers.zd065 import POLAR, rotated, square_count
 from wedmcam.diag import Severity
 from wedmcam.frontends.compact import decode as decode_compact
 from wedmcam.frontends.identify import identify

@@ -8,7 +8,7 @@ import pytest
 import parts
 from wedmcam import api, conversion
 from wedmcam.entered import Entered
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.difference import difference
 from wedmcam.options import WrongUse
 
@@ -93,7 +93,7 @@ def test_the_outline_is_right_for_any_gap(to, side):
             entered = Entered(gap_um=other, outwards=at.outwards)
             read, machine, _ = api.read_program(made.data, format=to, entered=entered)
             right = api.compile(drawing, to="3b", offset=other / 1000, side=side)
-            tables = LineTable(machine.table), LineTable(right.machine.table)
+            tables = machine.stepping, right.machine.stepping
             pairs = list(zip(contours(read), contours(right.program), strict=True))
             assert len(pairs) == 3
             apart = [difference(a, b, *tables, 100.0).largest_um for a, b in pairs]

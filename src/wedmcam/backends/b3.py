@@ -17,7 +17,7 @@ from wedmcam.backends.fit import Checks, ends, travel
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, lines, quadrants
 from wedmcam.formats.lengths import mm_of
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Layout, Machine
 
 #: Records formatted at a time.
@@ -207,7 +207,7 @@ def _fields(
             f"X and Y are a ratio that J {mm(int(count[i]))} does not make whole; written as it is"
         ),
     )
-    wanted = b3.line_axis(x, y, LineTable(machine.line_table))
+    wanted = machine.own_stepping.line_count(x, y)[0]
     other = exact & (axis != Axis.SQUARE) & (wanted != axis)
     tie = abs(x) == abs(y)
     checks.tell(

@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.backends.contours import Stretch, beside, stretches
-from wedmcam.controller import run
 from wedmcam.diag import Diagnostic
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]
@@ -59,7 +58,7 @@ def _written(program: Program, machine: Machine) -> bytes:
     for name, colour in LAYERS.items():
         drawing.layers.add(name, color=colour)
     space = drawing.modelspace()
-    motion = run(program.blocks, LineTable(machine.table))
+    motion = machine.stepping.run(program.blocks)
     per_mm = 1000 / program.step_um
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity, Span, error, has_errors
 from wedmcam.formats.listing import listed
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
 
@@ -72,9 +72,7 @@ class Checks:
 
 def ends(program: Program, machine: Machine) -> NDArray[np.int64]:
     """Return where the machine stands after each block, drawing um, shape (blocks, 2)."""
-    from wedmcam.controller import run
-
-    motion = run(program.blocks, LineTable(machine.line_table))
+    motion = machine.own_stepping.run(program.blocks)
     return _summed(program, motion.dx, motion.dy)
 
 
@@ -89,10 +87,8 @@ def extents(program: Program, machine: Machine) -> tuple[NDArray[np.int64], NDAr
 
     Arcs count with the apexes that they pass; the interpolator stays within 1 um of those.
     """
-    from wedmcam.controller import run
-
     blocks = program.blocks
-    motion = run(blocks, LineTable(machine.line_table))
+    motion = machine.own_stepping.run(blocks)
     positions = _summed(program, motion.dx, motion.dy)
     starts = np.vstack([[program.origin], positions[:-1]])[: len(positions)]
     points = [np.array([program.origin]), positions]

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from wedmcam.backends.compact import encode as encode_compact
 from wedmcam.backends.fit import Checks, mm
-from wedmcam.controller import run
-from wedmcam.controller.processing import GAPPED, compensated
+from wedmcam.controllers import Stepping
+from wedmcam.controllers.pointwise import MIRROR
+from wedmcam.controllers.zd065 import GAPPED, compensated
 from wedmcam.diag import Diagnostic, Severity, has_errors, warning
 from wedmcam.formats import compact, gap, lines, quadrants
-from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]
@@ -115,7 +116,7 @@ def stated(
     if checks.failed:
         return None
     figure = outline(blocks, gap_um, outwards, sign)
-    figure, lost = closed(figure, program, gap_um, outwards, LineTable(machine.line_table))
+    figure, lost = closed(figure, program, gap_um, outwards, machine.own_stepping)
     checks.tell(
         Severity.ERROR,
         "not-reachable",
@@ -233,7 +234,7 @@ def _nearest(
     tried, made = tried[keep], made[keep]
     if not len(tried):
         return base[:1]
-    moved, wanted = run(made, LineTable.MIRROR), run(block, LineTable.MIRROR)
+    moved, wanted = MIRROR.run(made), MIRROR.run(block)
     start = np.hypot(made["x"] - block["x"][0], made["y"] - block["y"][0])
     end = np.hypot(moved.dx - wanted.dx[0], moved.dy - wanted.dy[0])
     best = int(np.lexsort((start + end, np.maximum(start, end)))[0])
@@ -242,7 +243,7 @@ def _nearest(
 
 
 def closed(
-    figure: NDArray[np.void], program: Program, gap_um: int, outwards: bool, table: LineTable
+    figure: NDArray[np.void], program: Program, gap_um: int, outwards: bool, stepping: Stepping
 ) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
     """Let lines of the contour take up what the arcs before them are off.
 
@@ -252,7 +253,7 @@ def closed(
     blocks = program.blocks
     lost = np.zeros(len(blocks), dtype=bool)
     made = compensated(figure, gap_um, outwards)
-    have, want = run(made, table), run(blocks, table)
+    have, want = stepping.run(made), stepping.run(blocks)
     off_x, off_y = have.dx - want.dx, have.dy - want.dy
     arc = blocks["kind"] == Kind.ARC
     if not (arc & ((off_x != 0) | (off_y != 0))).any():

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.backends.fit import Checks, ends, travel
-from wedmcam.controller import arc_end, run
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, iso
-from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
 from wedmcam.machines import Iso, Machine
 
@@ -36,10 +35,12 @@ def encode(
     checks = Checks(program)
     blocks = program.blocks
     kinds = blocks["kind"].copy()
-    motion = run(blocks, LineTable(machine.line_table))
+    motion = machine.own_stepping.run(blocks)
     arc = kinds == Kind.ARC
     x, y = blocks["x"], blocks["y"]
-    end = arc_end(x, y, np.where(arc, blocks["turn"], 1), x + motion.dx, y + motion.dy)
+    end = machine.own_stepping.arc_end(
+        x, y, np.where(arc, blocks["turn"], 1), x + motion.dx, y + motion.dy
+    )
     err = Severity.ERROR
     moving = kinds <= Kind.MOVE
     checks.tell(err, "endless-block", motion.steps < 0, lambda i: "it never ends")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wedmcam.backends.compact import encode as encode_compact
 from wedmcam.backends.fit import Checks, mm
-from wedmcam.controller.processing import POLAR, rotated
+from wedmcam.controllers.zd065 import POLAR, rotated
 from wedmcam.diag import Diagnostic, Severity, has_errors, warning
 from wedmcam.formats import compact, lines, quadrants, rotation
 from wedmcam.ir.program import Kind, Program

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.backends.contours import Stretch, beside, stretches
-from wedmcam.controller import position, run
+from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, Span, error, warning
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]
@@ -45,8 +45,8 @@ def source(
         UTF-8 text, empty where there is an error; a warning for each pause and word that the part
         language has no place for.
     """
-    blocks, table = program.blocks, LineTable(machine.table)
-    motion = run(blocks, table)
+    blocks, stepping = program.blocks, machine.stepping
+    motion = stepping.run(blocks)
     found: list[Diagnostic] = []
     for i in np.flatnonzero(motion.steps < 0)[:1].tolist():
         what = f"block {i + 1} never ends on its controller: there is no path to write down"
@@ -67,7 +67,7 @@ def source(
     ends = np.column_stack([np.cumsum(motion.dx[rows]), np.cumsum(motion.dy[rows])])
     starts = ends - np.column_stack([motion.dx[rows], motion.dy[rows]])
     parts = np.ones(len(rows), np.int64) if pieces is None else pieces[rows]
-    text = _Text(blocks[rows], starts, ends, motion.steps[rows], parts, table, program.step_um)
+    text = _Text(blocks[rows], starts, ends, motion.steps[rows], parts, stepping, program.step_um)
     title = re.sub(r'["\r\n]', "'", PurePath(name).name)
     lines = [
         f"# What {title} cuts, as {machine.name} steps it; its first block starts at (0, 0).",
@@ -124,7 +124,7 @@ def trimmed(program: Program) -> tuple[Program, list[Diagnostic]]:
 def hindrance(program: Program, machine: Machine) -> tuple[str, Span | None] | None:
     """Return what of a program the part language has no words for, and where; None for nothing."""
     blocks = program.blocks
-    motion = run(blocks, LineTable(machine.table))
+    motion = machine.stepping.run(blocks)
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)])
     starts = ends - np.column_stack([motion.dx, motion.dy])
     move = (blocks["kind"] == Kind.MOVE) & (motion.steps > 0)
@@ -175,11 +175,11 @@ class _Text:
         ends: Ints,
         steps: Ints,
         pieces: Ints,
-        table: LineTable,
+        stepping: Stepping,
         step_um: float,
     ) -> None:
         self.blocks, self.starts, self.ends = blocks, starts, ends
-        self.steps, self.pieces, self.table = steps, pieces, table
+        self.steps, self.pieces, self.stepping = steps, pieces, stepping
         self.step_um = step_um
         self.arc = blocks["kind"] == Kind.ARC
         offset = np.column_stack([blocks["x"], blocks["y"]]).astype(np.int64)
@@ -278,7 +278,7 @@ class _Text:
         pieces = max(least, int(self.pieces[i]))
         # Where the machine stands on its way: whole microns, as near to the circle as it gets.
         part = np.repeat(self.blocks[i : i + 1], pieces - 1)
-        dx, dy = position(part, self.steps[i] * np.arange(1, pieces) // pieces, self.table)
+        dx, dy = self.stepping.position(part, self.steps[i] * np.arange(1, pieces) // pieces)
         stops = [*(self.starts[i] + np.column_stack([dx, dy])), self.ends[i]]
         middle = self.at(centre - origin)
         return [f"  arc {word} to {self.at(p - origin)} center {middle}" for p in stops]

@@ -8,6 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from wedmcam.controllers import Stepping
     from wedmcam.ir.program import Program
     from wedmcam.machines import Machine
 
@@ -29,7 +30,7 @@ def _at(x: float, y: float) -> str:
 def explain_block(program: Program, machine: Machine, data: bytes, number: int) -> Iterator[str]:
     """Yield lines about block ``number`` (1-based) of a program read from ``data``."""
     from wedmcam.api import positions
-    from wedmcam.ir.program import Axis, Kind, LineTable
+    from wedmcam.ir.program import Axis, Kind
 
     row = number - 1
     block = program.blocks[row]
@@ -46,12 +47,12 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
         return
     x, y, turn = int(block["x"]), int(block["y"]), int(block["turn"])
     axis, count = Axis(int(block["axis"])), int(block["count"])
-    table = LineTable(machine.table)
+    stepping = machine.stepping
     if kind == Kind.ARC:
         yield from _arc(x, y, turn, axis, count, start, end, program.step_um)
     else:
-        yield from _line(x, y, axis, count, kind == Kind.MOVE, table, program.step_um)
-    yield from _ending(block, table, start, end, program.step_um)
+        yield from _line(x, y, axis, count, kind == Kind.MOVE, machine, program.step_um)
+    yield from _ending(block, stepping, start, end, program.step_um)
 
 
 def _record(program: Program, row: int, data: bytes) -> str:
@@ -70,11 +71,11 @@ def _record(program: Program, row: int, data: bytes) -> str:
 
 
 def _line(
-    x: int, y: int, axis: Any, count: int, move: bool, table: Any, step_um: float
+    x: int, y: int, axis: Any, count: int, move: bool, machine: Machine, step_um: float
 ) -> Iterator[str]:
     import numpy as np
 
-    from wedmcam.controller import line_axis
+    from wedmcam.controllers.pointwise import line_axis
     from wedmcam.formats.quadrants import quadrant
     from wedmcam.ir.program import Axis
 
@@ -87,8 +88,8 @@ def _line(
     yield f"quadrant   L{q}: {where}"
     used = line_axis(x, y, axis) if axis >= Axis.SQUARE else axis
     if abs(x) == abs(y):
-        exact = "y" if table.x_first(np.array(x), np.array(y)) else "x"
-        why = f"45 degrees: with the {table} line table only {exact} ends it exactly"
+        exact = Axis(int(machine.stepping.line_count(np.array(x), np.array(y))[0])).name.lower()
+        why = f"45 degrees: with the {machine.table} line table only {exact} ends it exactly"
     else:
         longer = "x" if abs(x) > abs(y) else "y"
         why = f"{longer} is the longer way, so the end is exact"
@@ -110,7 +111,7 @@ def _arc(
     end: list[float],
     step_um: float,
 ) -> Iterator[str]:
-    from wedmcam.controller import arc_quadrant
+    from wedmcam.controllers.pointwise import arc_quadrant
     from wedmcam.ir.program import Axis
 
     cx, cy = start[0] - x * step_um, start[1] - y * step_um
@@ -150,7 +151,7 @@ def _arc(
 
 def _nominal(x: int, y: int, turn: int, axis: Any, ex: int, ey: int, count: int) -> str:
     """Return how J compares with that of the text books."""
-    from wedmcam.controller.nominal import nominal_count
+    from wedmcam.controllers.pointwise.nominal import nominal_count
     from wedmcam.ir.program import Axis
 
     if axis >= Axis.SQUARE:
@@ -168,24 +169,23 @@ def _quadrant(quadrant: Any, x: int, y: int, turn: int) -> int:
 
 
 def _ending(
-    block: Any, table: Any, start: list[float], end: list[float], step_um: float
+    block: Any, stepping: Stepping, start: list[float], end: list[float], step_um: float
 ) -> Iterator[str]:
     """Tell the first steps and where the block ends."""
     import numpy as np
 
-    from wedmcam.controller import block_steps, deviation, run
     from wedmcam.ir.program import Axis
 
     one = np.array([block])
-    total = int(run(one, table).steps[0])
+    total = int(stepping.run(one).steps[0])
     if total < 0:
         yield "steps      it never ends: no controller can run this block"
         return
     yield f"steps      {total}; the first {min(SHOWN, total)}, from the start, with F after each"
     yield "             n  step         x         y              F"
-    for n, s in enumerate(islice(block_steps(one[0], table), SHOWN), 1):
+    for n, s in enumerate(islice(stepping.steps(one[0]), SHOWN), 1):
         step = f"{'+' if s.sign > 0 else '-'}{'x' if s.axis == Axis.X else 'y'}"
         yield f"         {n:5d}  {step:4} {s.x:9d} {s.y:9d} {s.f:14d}"
-    low, high = (float(d[0]) for d in deviation(one, table))
+    low, high = (float(d[0]) for d in stepping.deviation(one))
     yield f"path       within {max(high, -low) * step_um:.3f} um of its own line or circle"
     yield f"ends at    {_at(*end)} mm, started at {_at(*start)} mm (from the program's start)"

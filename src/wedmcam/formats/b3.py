@@ -12,7 +12,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.ir.program import Axis, Kind, LineTable
+from wedmcam.ir.program import Kind
 
 #: Six digits a field [S].
 LARGEST = 999_999
@@ -32,23 +32,6 @@ def instruction(turn: NDArray[np.integer], quadrant: NDArray[np.integer]) -> NDA
     """
     code: NDArray[np.int64] = 4 * _KIND_OF_TURN[turn] + np.asarray(quadrant, dtype=np.int64) - 1
     return code
-
-
-def line_axis(x: NDArray[np.int64], y: NDArray[np.int64], table: LineTable) -> NDArray[np.uint8]:
-    """Return G of lines along (x, y): the larger of |x|, |y| [S].
-
-    At 45 degrees only the axis that is not stepped first ends the line exactly, and which one that
-    is depends on the controller's line table [M]: rotated, GY in quadrants 1 and 3 and GX in 2 and
-    4, which is the published tie rule [S]; mirrored, GY everywhere.
-
-    >>> x, y = np.array([17, 3, -3, 3]), np.array([5, 3, 3, -3])
-    >>> line_axis(x, y, LineTable.ROTATE).tolist(), line_axis(x, y, LineTable.MIRROR).tolist()
-    ([0, 1, 0, 0], [0, 1, 1, 1])
-    """
-    wide, tie = abs(x) > abs(y), abs(x) == abs(y)
-    if table != LineTable.MIRROR:
-        wide = wide | (tie & ~table.x_first(x, y))
-    return np.where(wide, np.uint8(Axis.X), np.uint8(Axis.Y))
 
 
 def moves(kinds: NDArray[np.uint8]) -> NDArray[np.bool_]:

@@ -21,7 +21,7 @@ from wedmcam.formats.lengths import mm_of
 from wedmcam.formats.listing import in_order, listed
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.records import Records, find_records
-from wedmcam.ir.program import BLOCK, Kind, LineTable, Program
+from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.machines import Machine
 
 _NUMBER = rb"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)"
@@ -305,7 +305,7 @@ def _blocks(
 
     tell(warn, "quadrant-repaired", repaired & line, repair)
     tell(Severity.NOTE, "quadrant-repaired", repaired & ~line, repair)
-    wanted = b3.line_axis(x, y, LineTable(machine.line_table))
+    wanted = machine.own_stepping.line_count(x, y)[0]
     tell(
         warn,
         "count-axis",

@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller.processing import GAPPED, compensated
+from wedmcam.controllers import Stepping
+from wedmcam.controllers.zd065 import GAPPED, compensated
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import b4
 from wedmcam.formats.lengths import mm_of
@@ -20,7 +21,7 @@ from wedmcam.formats.listing import listed
 from wedmcam.frontends import b3
 from wedmcam.frontends.gap import TORN_UM, directions
 from wedmcam.frontends.plain import TextSpans, plain
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]
@@ -81,7 +82,7 @@ def decode(
             "shrinks"
         ),
     )
-    angle, allowed, joint = _joints(blocks, whole, LineTable(machine.line_table))
+    angle, allowed, joint = _joints(blocks, whole, machine.own_stepping)
     tell(
         err,
         "not-tangent",
@@ -159,11 +160,11 @@ def _of_4b(d: Diagnostic) -> Diagnostic:
 
 
 def _joints(
-    blocks: NDArray[np.void], gap_um: int, table: LineTable
+    blocks: NDArray[np.void], gap_um: int, stepping: Stepping
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], Bools]:
     """Return the angle at the end of each block, what rounding explains, and whether it counts."""
     cutting = blocks["kind"] <= Kind.ARC
-    ax, ay, bx, by, room = directions(blocks, table)
+    ax, ay, bx, by, room = directions(blocks, stepping)
     joint = np.zeros(len(blocks), bool)
     joint[:-1] = cutting[:-1] & cutting[1:]
     first, last = np.ones(len(blocks), bool), np.ones(len(blocks), bool)

@@ -9,7 +9,7 @@ import numpy as np
 
 from wedmcam.diag import ByteSpan, TextSpan
 from wedmcam.formats import quadrants
-from wedmcam.ir.program import Axis, Kind, LineTable, Program, in_um
+from wedmcam.ir.program import Axis, Kind, Program, in_um
 from wedmcam.machines import Machine
 
 
@@ -65,10 +65,8 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
 
 def dump(program: Program, machine: Machine) -> Iterator[Row]:
     """Yield a row for each block; ends are what the machine's interpolator makes of them."""
-    from wedmcam.controller import run
-
     blocks = program.blocks
-    motion = run(blocks, LineTable(machine.table))
+    motion = machine.stepping.run(blocks)
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     ends = in_um(ends, program.step_um)
     quadrant = quadrants.quadrant(blocks["x"], blocks["y"], blocks["turn"])

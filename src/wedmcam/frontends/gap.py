@@ -9,12 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller import run
-from wedmcam.controller.processing import GAPPED, compensated
+from wedmcam.controllers import Stepping
+from wedmcam.controllers.pointwise import MIRROR
+from wedmcam.controllers.zd065 import GAPPED, compensated
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import gap, quadrants
 from wedmcam.frontends.stream import Stream, mm
-from wedmcam.ir.program import Axis, Kind, LineTable, Program
+from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Machine
 
 #: Joints that a gap would tear apart by less than this are tangent enough, um.
@@ -191,7 +192,7 @@ def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
 
 
 def directions(
-    blocks: NDArray[np.void], table: LineTable = LineTable.MIRROR
+    blocks: NDArray[np.void], stepping: Stepping = MIRROR
 ) -> tuple[NDArray[np.float64], ...]:
     """Return the directions at the end and at the start of blocks, and what rounding does to them.
 
@@ -201,7 +202,7 @@ def directions(
     arc = blocks["kind"] == Kind.ARC
     x, y = blocks["x"].astype(float), blocks["y"].astype(float)
     turn = blocks["turn"].astype(float)
-    motion = run(blocks, table)
+    motion = stepping.run(blocks)
     ex, ey = x + motion.dx, y + motion.dy
     sx, sy = np.where(arc, -turn * y, x), np.where(arc, turn * x, y)
     ex, ey = np.where(arc, -turn * ey, x), np.where(arc, turn * ex, y)

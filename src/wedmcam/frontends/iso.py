@@ -17,14 +17,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller import arc_end
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
 from wedmcam.formats import b3, iso
 from wedmcam.formats.listing import in_order, listed
 from wedmcam.frontends.compensation import Modes, Runs, Table, runs_of
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.words import Words, words_of
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program
+from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.machines import Machine
 
@@ -505,10 +504,9 @@ def _blocks(
         goes[name] = _grid(ends_nm[k][lines]) - _grid(starts_nm[k][lines])
     rest = np.zeros(len(arcs), BLOCK)
     rest["kind"], rest["x"], rest["y"] = Kind.LINE, rest_x, rest_y
-    table = LineTable(r.machine.line_table)
+    stepping = r.machine.own_stepping
     for part in (goes, rest):
-        part["axis"] = b3.line_axis(part["x"], part["y"], table)
-        part["count"] = np.maximum(abs(part["x"]), abs(part["y"]))
+        part["axis"], part["count"] = stepping.line_count(part["x"], part["y"])
     for part in (goes, made, rest):
         part["source"] = -1
     place = np.zeros(len(ran), BLOCK)  # what a controller makes of it is not known here
@@ -600,6 +598,7 @@ def _stepped(
     # Start and end on one micron: a full circle if they were stated so, else next to nothing.
     tiny = np.where(here, ~same_nm & (sweep < np.pi), tiny)
     whole = here & ~tiny
+    arc_end = r.machine.own_stepping.arc_end
     end = arc_end(x, y, turn, fx, fy)
     px, py = fx.copy(), fy.copy()
     beside = np.flatnonzero(~end.landed & ~tiny & ~whole)

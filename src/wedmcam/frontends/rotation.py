@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller.processing import POLAR, rotated
+from wedmcam.controllers.zd065 import POLAR, rotated
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import rotation
 from wedmcam.frontends.stream import Stream, mm

@@ -2,7 +2,7 @@
 
 A line is its direction and a count; an arc is its start relative to the centre, a sense, an axis on
 which steps are counted, and the count J. Neither holds its end: the end is where the controller's
-interpolator stops (``wedmcam.controller``), and that is the point.
+interpolator stops (``wedmcam.controllers``), and that is the point.
 """
 
 from __future__ import annotations
@@ -67,36 +67,6 @@ class Role(enum.IntEnum):
     LEAD_IN = 1
     LEAD_OUT = 2
     OVERCUT = 3
-
-
-class LineTable(enum.StrEnum):
-    """Which axis a sloping line steps at F >= 0 (spec: 3B, tie rule).
-
-    Controllers have two. MIRROR: x in every quadrant (ZD-065). ROTATE: the table of quadrant 1
-    turned by 90 degrees, so x in quadrants 1 and 3, y in 2 and 4 (classic 3B controllers). The
-    other two are what these look like from a drawing whose axes are exchanged or mirrored on the
-    way to the controller: MIRROR_EXCHANGED y in every quadrant, ROTATE_EXCHANGED y in quadrants 1
-    and 3, x in 2 and 4. The four are closed under exchange and mirrors.
-    """
-
-    MIRROR = "mirror"
-    ROTATE = "rotate"
-    MIRROR_EXCHANGED = "mirror-exchanged"
-    ROTATE_EXCHANGED = "rotate-exchanged"
-
-    def x_first(self, x: NDArray[np.int64], y: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return whether lines along (x, y) step x at F >= 0; of use where x and y are not 0.
-
-        At 45 degrees the line ends exactly only when it is counted on the other axis.
-
-        >>> x, y = np.array([3, -3]), np.array([5, 5])
-        >>> [t.x_first(x, y).tolist() for t in LineTable]
-        [[True, True], [True, False], [False, False], [False, True]]
-        """
-        if self in (LineTable.MIRROR, LineTable.MIRROR_EXCHANGED):
-            return np.full(np.shape(x), self is LineTable.MIRROR)
-        first: NDArray[np.bool_] = (x ^ y) >= 0
-        return first if self is LineTable.ROTATE else ~first
 
 
 def in_um(steps: NDArray[Any], step_um: float) -> NDArray[Any]:

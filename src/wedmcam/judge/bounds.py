@@ -21,8 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam import controller
-from wedmcam.controller.circle import apex, frame, quadrant
 from wedmcam.ir.program import Kind
 from wedmcam.judge.route import Route
 from wedmcam.judge.segments import Bools, Floats, Ints
@@ -121,7 +119,7 @@ def _lines(
     dx, dy = blocks["x"].astype(np.float64), blocks["y"].astype(np.float64)
     length = np.hypot(dx, dy)
     dx, dy = dx / length, dy / length
-    own_low, own_high = controller.deviation(blocks, way.table)
+    own_low, own_high = way.stepping.deviation(blocks)
     # Places: start + s (dx, dy) + w (-dy, dx), own_low <= w <= own_high, 0 <= s <= their reach.
     mx, my = end[:, 0] - start[:, 0], end[:, 1] - start[:, 1]
     reach = mx * dx + my * dy
@@ -158,7 +156,7 @@ def _arcs(
     at = route.at[first]
     x, y = blocks["x"].astype(np.float64), blocks["y"].astype(np.float64)
     own = np.hypot(x, y)
-    own_low, own_high = controller.deviation(blocks, way.table)
+    own_low, own_high = way.stepping.deviation(blocks)
     ox, oy = start[:, 0] - x - s.cx, start[:, 1] - y - s.cy  # own centre from the segment's
     apart = np.hypot(ox, oy)
     # |own centre + (own + w) u| = own + w + o.u + at most o^2 / 2 (own + w), u the direction.
@@ -217,37 +215,3 @@ def _progress(
     out.short[rows] = np.maximum(np.maximum(t0 - low[rows], high[rows] - t1), 0.0)
     stays = (t1 + back <= high[rows] + FUZZ) & (t0 - back >= low[rows] - FUZZ)
     out.least[rows] = np.where(stays, np.maximum(inner - FUZZ, 0.0), 0.0)
-
-
-def extents(way: Walk, index: Ints) -> Floats:
-    """Return x low, y low, x high, y high of all places of blocks that step, exact.
-
-    A line is within the box of its ends; an arc reaches A beyond it on each axis it passes.
-    """
-    both = np.concatenate([way.start[index], way.end[index]]).astype(np.float64)
-    box = np.concatenate([both.min(axis=0), both.max(axis=0)])
-    rows = index[(way.blocks["kind"][index] == Kind.ARC) & (way.steps[index] > 0)]
-    if not len(rows):
-        return box
-    b = way.blocks[rows]
-    x, y, turn = (b[name].astype(np.float64) for name in ("x", "y", "turn"))
-    a = apex(x * x + y * y)
-    f = frame(x, y, turn)
-    begin = a - f.u + f.v
-    passed = np.floor((begin + way.steps[rows] - 1.0) / (2.0 * a))
-    q = quadrant(f)
-    cx, cy = way.start[rows, 0] - x, way.start[rows, 1] - y
-    for nth in range(1, 5):  # the apexes at which quadrant q + nth begins
-        axis = np.mod(q + nth, 4.0)
-        hit = passed >= nth
-        for value, reached, low, high in (
-            (cx + a, axis == 0, 0, 2),
-            (cy + a * turn, axis == 1, 1, 3),
-            (cx - a, axis == 2, 0, 2),
-            (cy - a * turn, axis == 3, 1, 3),
-        ):
-            some = value[hit & reached]
-            if len(some):
-                box[low] = min(box[low], some.min())
-                box[high] = max(box[high], some.max())
-    return box

@@ -75,7 +75,7 @@ def certificate(
     input_bytes: bytes,
     output_bytes: bytes,
     profile_name: str = "",
-    profile_bytes: bytes = b"",
+    profile_sha256: str = "",
     join_um: float = 0.0,
     spline_um: float = 0.0,
     options: dict[str, Any] | None = None,
@@ -93,7 +93,7 @@ def certificate(
         input_bytes: the source itself, for its fingerprint.
         output_bytes: the program itself.
         profile_name: of the machine.
-        profile_bytes: its TOML.
+        profile_sha256: fingerprint of its values.
         join_um: the largest shift of a joint that closed a gap of the drawing.
         spline_um: the largest distance between a spline or ellipse and its arcs; the program is
             judged against the arcs.
@@ -162,7 +162,7 @@ def certificate(
     out["sha256"] = {
         "input": fingerprint(input_bytes),
         "output": fingerprint(output_bytes),
-        "profile": fingerprint(profile_bytes),
+        "profile": profile_sha256,
     }
     out["version"] = version
     return out

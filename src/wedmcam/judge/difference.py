@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.ir.program import Kind, LineTable, Program, in_um
+from wedmcam.controllers import Stepping
+from wedmcam.ir.program import Kind, Program, in_um
 from wedmcam.judge.segments import Bools, Floats, Ints
 from wedmcam.judge.walk import Walk, walk
 
@@ -103,8 +104,8 @@ def _stretches(way: Walk, step_um: float) -> list[_Stretch]:
 def difference(
     a: Program,
     b: Program,
-    table_a: LineTable,
-    table_b: LineTable,
+    stepping_a: Stepping,
+    stepping_b: Stepping,
     within_um: float = 1.0,
 ) -> Difference:
     """Compare two programs from their first blocks on; where they start does not matter.
@@ -112,19 +113,20 @@ def difference(
     Args:
         a: one program.
         b: the other.
-        table_a: of the lines of ``a``.
-        table_b: of ``b``.
+        stepping_a: the interpolator of ``a``.
+        stepping_b: of ``b``.
         within_um: how far apart equal paths may be.
 
     >>> from wedmcam.ir.program import BLOCK, Axis
     >>> one, two = np.zeros(1, BLOCK), np.zeros(2, BLOCK)
     >>> one["x"], one["count"], one["axis"] = 10, 10, Axis.X
     >>> two["x"], two["count"], two["axis"] = [4, 6], [4, 6], Axis.X
-    >>> mirror = LineTable.MIRROR
+    >>> from wedmcam.controllers import stepping_of
+    >>> mirror = stepping_of("3b", "mirror")
     >>> difference(Program(one), Program(two), mirror, mirror).equal
     True
     """
-    ways = [walk(replace(p, origin=(0, 0)), t) for p, t in ((a, table_a), (b, table_b))]
+    ways = [walk(replace(p, origin=(0, 0)), t) for p, t in ((a, stepping_a), (b, stepping_b))]
     for nth, way in enumerate(ways):
         endless = np.flatnonzero(way.steps < 0)
         if len(endless):
@@ -240,8 +242,7 @@ def _same(one: _Stretch, two: _Stretch, k: slice, el: slice, within: float) -> B
     for name in ("turn", "axis", "x", "y", "count"):
         same &= a[name] == b[name]
     x, y = a["x"], a["y"]
-    one_first, two_first = one.way.table.x_first(x, y), two.way.table.x_first(x, y)
-    same &= (a["turn"] != 0) | (x == 0) | (y == 0) | (one_first == two_first)
+    same &= (a["turn"] != 0) | one.way.stepping.same_lines(two.way.stepping, x, y)
     off = in_um(one.way.start[one.rows[k]], one.step_um)
     off = off - in_um(two.way.start[two.rows[el]], two.step_um)
     return np.asarray(same & (np.hypot(off[:, 0], off[:, 1]) <= within))

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from wedmcam import controller
+from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic
-from wedmcam.ir.program import Kind, LineTable, Program, in_um
-from wedmcam.judge.bounds import extents
+from wedmcam.ir.program import Kind, Program, in_um
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.segments import Ints
 from wedmcam.judge.walk import Walk, walk
@@ -26,7 +25,7 @@ MEANT_CLOSED = 100.0
 
 
 def figures(
-    program: Program, table: LineTable, limits: Limits
+    program: Program, stepping: Stepping, limits: Limits
 ) -> tuple[dict[str, Any], list[Diagnostic]]:
     """Return the figures of a program as plain data, and findings for blocks that cannot run.
 
@@ -35,17 +34,17 @@ def figures(
     contours here), None when none does. ``reversals`` counts, for each axis, steps against the
     last one: where backlash is taken up. Lengths are true um, also where a step is not.
     """
-    way = walk(program, table)
+    way = walk(program, stepping)
     findings = check_blocks(program, limits, way.steps)
     blocks = program.blocks
     kind = blocks["kind"]
     cutting = way.cutting
     path, box = 0.0, np.array([np.inf, np.inf, -np.inf, -np.inf])
-    back_x, back_y = controller.reversals(blocks, table)
+    back_x, back_y = stepping.reversals(blocks)
     for low in range(0, len(blocks), PIECE):
         part = _part(way, low, low + PIECE)
         path += float(part.lengths()[part.cutting].sum())
-        e = extents(part, np.arange(len(part.blocks)))
+        e = part.stepping.extents(part.blocks, part.steps, part.start, part.end)
         box = np.concatenate([np.minimum(box[:2], e[:2]), np.maximum(box[2:], e[2:])])
     step = program.step_um
     end = way.end[-1] - np.array(program.origin) if len(blocks) else np.zeros(2, np.int64)

@@ -11,9 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import LineTable, Program
+from wedmcam.ir.program import Program
 from wedmcam.judge.match import Piece, path_box, pieces
 from wedmcam.judge.route import of_contours
 from wedmcam.judge.runs import mm, per_mm
@@ -27,7 +28,7 @@ SAMPLES = 2000
 
 
 def fit(
-    program: Program, plan: Plan, *, table: LineTable
+    program: Program, plan: Plan, *, stepping: Stepping
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program with the origin at which it lies on the plan.
 
@@ -41,7 +42,7 @@ def fit(
     """
     per = per_mm(program)
     plan = in_steps(plan, program.step_um)
-    way = walk(replace(program, origin=(0, 0)), table)
+    way = walk(replace(program, origin=(0, 0)), stepping)
     held = pieces(way)
     boxes = [path_box(c) for c in plan.cuts]
     if not held or not boxes:

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.plan import Cut, Plan
-from wedmcam.ir.program import Kind, LineTable, Program, Role
+from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.deviation import SLOP, measure
 from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
@@ -41,7 +42,7 @@ def judge(
     program: Program,
     plan: Plan,
     *,
-    table: LineTable,
+    stepping: Stepping,
     limits: Limits | None = None,
     count: Count = "exact",
     path_limit_um: float = 2.0,
@@ -55,7 +56,7 @@ def judge(
         program: as decoded from the bytes; ``origin`` is where its first block starts. Its steps
             are the unit of all that is measured; what is told is in um.
         plan: the exact routes, the outlines of the part, the side and the offset.
-        table: how the controller steps lines.
+        stepping: the controller's interpolator.
         limits: of the machine; None for none.
         count: "exact" for a controller that counts steps; "textbook" for one that recomputes arc
             ends: then the verdict is for that one, and what a step-counting controller would do
@@ -71,7 +72,7 @@ def judge(
     Returns:
         The verdict, and findings; ``ok`` is that none of them is an error.
     """
-    way = walk(program, table, textbook=count == "textbook")
+    way = walk(program, stepping, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps)
     plan = in_steps(plan, program.step_um)
     case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order)
@@ -79,7 +80,7 @@ def judge(
     verdict = told_in_um(verdict, program.step_um)
     findings.extend(found)
     if count == "textbook":
-        stepped, _ = case.judge(walk(program, table), "exact")
+        stepped, _ = case.judge(walk(program, stepping), "exact")
         stepped = told_in_um(stepped, program.step_um)
         verdict = verdict._replace(
             stepped_closure_um=stepped.closure_um,

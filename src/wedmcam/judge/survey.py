@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.judge.bounds import Bounds, bound, extents
+from wedmcam.judge.bounds import Bounds, bound
 from wedmcam.judge.deviation import CHUNK, SLOP, Measured, measure
 from wedmcam.judge.extremes import extremes
 from wedmcam.judge.material import Kept
@@ -62,7 +62,7 @@ def survey(
     gouge_limit_um: float,
 ) -> Survey:
     """Survey blocks ``index`` of the walk on their stretches of progress from low to high."""
-    if way.textbook or not len(index):
+    if way.textbook or not len(index) or not way.stepping.steady:
         return everything(way, index, low, high, route, kept)
     b = bound(way, index, low, high, route)
     runs = b.known & (b.over <= SHARE) & (b.under + b.back <= SHARE) & (b.short <= SHARE)
@@ -80,7 +80,7 @@ def survey(
         held.deviation,
         held.stray,
         held.exact,
-        extents(way, index),
+        way.stepping.extents(way.blocks[index], way.steps[index], way.start[index], way.end[index]),
         held.gouge,
         held.gouge_at,
         held.gouge_block,

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam import controller
-from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.controllers import Motion, Stepping
+from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.segments import Bools, Floats, Ints
 from wedmcam.judge.textbook import recomputed_ends
 
@@ -27,7 +27,7 @@ class Walk(NamedTuple):
         steps: steps of each block, 0 for control records, -1 for a block that never ends.
         textbook: arcs end where J and G say, and are followed as circles.
         sweep: of each arc in ``textbook`` mode, radians; NaN where counted by steps.
-        table: of the lines.
+        stepping: the interpolator.
     """
 
     blocks: NDArray[np.void]
@@ -36,7 +36,7 @@ class Walk(NamedTuple):
     steps: Ints
     textbook: bool
     sweep: Floats
-    table: LineTable
+    stepping: Stepping
 
     @property
     def cutting(self) -> Bools:
@@ -55,8 +55,8 @@ class Walk(NamedTuple):
             radius = np.hypot(x, y)
             a0, a1 = np.arctan2(y, x), np.arctan2(y + d[rows, 1], x + d[rows, 0])
             angle = np.mod((a1 - a0) * b["turn"], 2.0 * np.pi)
-            # A whole turn has 8 R steps: pi / 4 um of arc a step on the average.
-            guess = self.steps[rows] * (np.pi / 4.0) / np.maximum(radius, 1.0)
+            whole = np.maximum(self.stepping.turn_steps(radius), 1.0)
+            guess = 2.0 * np.pi * self.steps[rows] / whole
             turns = np.round((guess - angle) / (2.0 * np.pi))
             angle = np.maximum(angle + 2.0 * np.pi * turns, 0.0)
             stated = self.sweep[rows]
@@ -74,9 +74,9 @@ class Walk(NamedTuple):
         if self.textbook:
             return self._textbook_points(index)
         start, moved = self.start[index], self.end[index] - self.start[index]
-        moves = controller.Motion(moved[:, 0], moved[:, 1], self.steps[index])
-        x, y = controller.places(
-            blocks, moves, start[:, 0].astype(float), start[:, 1].astype(float), self.table
+        moves = Motion(moved[:, 0], moved[:, 1], self.steps[index])
+        x, y = self.stepping.places(
+            blocks, moves, start[:, 0].astype(float), start[:, 1].astype(float)
         )
         return x, y, np.maximum(self.steps[index], 0)
 
@@ -92,7 +92,7 @@ class Walk(NamedTuple):
         x, y = np.empty(int(count.sum())), np.empty(int(count.sum()))
         which = np.flatnonzero(~round_ & (stepped > 0))
         if len(which):
-            at, at_first = controller.trace(blocks[which], self.table)
+            at, at_first = self.stepping.trace(blocks[which])
             shift = self.start[index[which]] - at[at_first]
             n = stepped[which]
             to = np.repeat(first[which] - (np.cumsum(n) - n), n) + np.arange(n.sum())
@@ -111,10 +111,10 @@ class Walk(NamedTuple):
         return x, y, count
 
 
-def walk(program: Program, table: LineTable, *, textbook: bool = False) -> Walk:
+def walk(program: Program, stepping: Stepping, *, textbook: bool = False) -> Walk:
     """Run all blocks from ``program.origin``; blocks that never end stand still (steps -1)."""
     blocks = program.blocks
-    motion = controller.run(blocks, table)
+    motion = stepping.run(blocks)
     dx, dy, steps = motion.dx.copy(), motion.dy.copy(), motion.steps.copy()
     sweep = np.full(len(blocks), np.nan)
     if textbook:
@@ -126,51 +126,4 @@ def walk(program: Program, table: LineTable, *, textbook: bool = False) -> Walk:
     end[:, 0] = np.cumsum(dx) + program.origin[0]
     end[:, 1] = np.cumsum(dy) + program.origin[1]
     start = end - np.column_stack([dx, dy])
-    return Walk(blocks, start, end, steps, textbook, sweep, table)
-
-
-def same_steps(a: Program, b: Program, table: LineTable = LineTable.MIRROR) -> bool:
-    """Return whether two programs make the same machine do the same.
-
-    The same steps in the same order with the generator on or off, and the control records at the
-    same places; how the steps are parted into blocks, and the origin, do not matter. Words that
-    the machine does not know and the thread marks of the compact format count as records.
-
-    >>> from wedmcam.ir.program import BLOCK, Axis
-    >>> one, two = np.zeros(1, BLOCK), np.zeros(2, BLOCK)
-    >>> one["x"], one["count"], one["axis"] = 10, 10, Axis.X
-    >>> two["x"], two["count"], two["axis"] = [4, 6], [4, 6], Axis.X
-    >>> same_steps(Program(one), Program(two))
-    True
-    """
-    return _digest(a, table) == _digest(b, table)
-
-
-def _digest(program: Program, table: LineTable) -> list[tuple[int, int, bytes]]:
-    """Return runs of one kind: (kind, steps, hash of the steps)."""
-    import hashlib
-
-    w = walk(program, table)
-    kind = w.blocks["kind"].astype(np.int64)
-    kind[w.cutting] = Kind.LINE
-    runs: list[tuple[int, int, bytes]] = []
-    state = hashlib.sha256()
-    steps = 0
-    moving = (kind == Kind.LINE) | (kind == Kind.MOVE)
-    edges = np.flatnonzero(np.diff(kind) != 0) + 1
-    for low, high in zip([0, *edges.tolist()], [*edges.tolist(), len(kind)], strict=True):
-        if low == high:
-            continue
-        if not moving[low]:
-            runs.extend((int(kind[low]), 0, b"") for _ in range(high - low))
-            continue
-        state, steps, i = hashlib.sha256(), 0, low
-        while i < high:
-            total = np.cumsum(np.maximum(w.steps[i:high], 0))
-            j = i + max(1, int(np.searchsorted(total, 1 << 20)))
-            at, _ = controller.trace(w.blocks[i:j], table)
-            state.update(np.diff(at, axis=0).astype(np.int8).tobytes())
-            steps += len(at) - 1
-            i = j
-        runs.append((int(kind[low]), steps, state.digest()))
-    return [r for r in runs if r[1] or r[0] not in (Kind.LINE, Kind.MOVE)]
+    return Walk(blocks, start, end, steps, textbook, sweep, stepping)

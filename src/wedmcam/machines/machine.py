@@ -7,7 +7,10 @@ field here is read by an encoder, a decoder or lowering; what nothing reads is n
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from wedmcam.controllers import Stepping
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,8 +178,8 @@ class Machine:
         title: one line for people.
         format: what programs are written in and read as.
         line_table: which axis a line steps first outside quadrants 1 and 3, and with it on which
-            axis a 45 degree line is counted: see `ir.program.LineTable`. In the controller's own
-            frame; `table` is how it looks from the drawing.
+            axis a 45 degree line is counted: see `controllers.pointwise.LineTable`. In the
+            controller's own frame; `table` is how it looks from the drawing.
         count: ``exact``: J by running the interpolator; ``textbook``: J by geometry.
         limits: see `Limits`.
         words: see `Words`; used by 3B.
@@ -198,7 +201,7 @@ class Machine:
 
     @property
     def table(self) -> str:
-        """The line table as it looks from the drawing: a value of `ir.program.LineTable`.
+        """The line table as it looks from the drawing: a value of `pointwise.LineTable`.
 
         >>> from dataclasses import replace
         >>> from wedmcam.machines import builtin
@@ -212,6 +215,25 @@ class Machine:
         else:  # quadrants 1 and 3 change places with 2 and 4 at every mirror, x with y at exchange
             turned = a.exchange ^ a.mirror_x ^ a.mirror_y
         return f"{self.line_table}-exchanged" if turned else self.line_table
+
+    @property
+    def stepping(self) -> Stepping:
+        """Its interpolator, as it looks from the drawing.
+
+        >>> from wedmcam.machines import builtin
+        >>> builtin("zd065").stepping
+        Pointwise(table=<LineTable.MIRROR: 'mirror'>)
+        """
+        from wedmcam.controllers import stepping_of
+
+        return stepping_of(self.format, self.table)
+
+    @property
+    def own_stepping(self) -> Stepping:
+        """Its interpolator in the controller's own frame, in which programs are written."""
+        from wedmcam.controllers import stepping_of
+
+        return stepping_of(self.format, self.line_table)
 
     @property
     def offsets(self) -> bool:

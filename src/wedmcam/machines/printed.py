@@ -7,6 +7,7 @@ that the format takes is written with what it means. Meanings are those of the a
 
 from __future__ import annotations
 
+import hashlib
 import inspect
 import json
 import re
@@ -108,6 +109,20 @@ def _written(value: Any) -> str:
         return f"[{', '.join(_written(v) for v in value)}]"
     # Strings of JSON are basic strings of TOML; whole numbers are the same in both.
     return json.dumps(value, ensure_ascii=False)
+
+
+def fingerprint(machine: Machine) -> str:
+    """Return the SHA-256 of a profile: of the keys and values that `as_toml` prints.
+
+    Comments and what has no value do not count, so it changes with the machine alone.
+
+    >>> from wedmcam.machines import builtin
+    >>> fingerprint(builtin("zd065")) == fingerprint(builtin("zd065-rotation"))
+    False
+    """
+    lines = [f"[{e.section}] {e.key} = {_written(e.value)}\n" for e in entries(machine)
+             if e.value is not None]  # fmt: skip
+    return hashlib.sha256("".join(lines).encode("utf-8")).hexdigest()
 
 
 def as_toml(machine: Machine) -> str:

@@ -14,9 +14,9 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from wedmcam.controller import run
-from wedmcam.controller.nominal import nominal_end
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.controllers.pointwise import of_table
+from wedmcam.controllers.pointwise.nominal import nominal_end
+from wedmcam.ir.program import Kind
 from wedmcam.probe.records import PARTS, Record
 
 #: How lines end: stepped by a table until J is counted, or at the X and Y that are stated.
@@ -146,5 +146,5 @@ def _ran(record: Record, table: Table, arcs: Arcs) -> tuple[int, int]:
     if block["kind"][0] == Kind.ARC and arcs == "own axis":
         # By the end, which is the start of a whole circle: nearer the x axis on y.
         block["axis"] = 1 if abs(x) > abs(y) else 0
-    moved = run(block, LineTable.MIRROR if table == "stated" else LineTable(table))
+    moved = of_table("mirror" if table == "stated" else table).run(block)
     return int(moved.dx[0]), int(moved.dy[0])

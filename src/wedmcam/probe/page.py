@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from wedmcam.controller import run
+from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.machines import Axes
 from wedmcam.probe.answers import MEANS, axes_of
 from wedmcam.probe.behaviour import Behaviour, stops
@@ -117,7 +117,7 @@ def page() -> str:
     for part in PARTS:
         b = blocks(part)
         x0, y0, x1, y1 = (v / 1000 for v in extents(part))
-        steps = int(np.maximum(run(b).steps, 0).sum())
+        steps = int(np.maximum(MIRROR.run(b).steps, 0).sum())
         lines.append(f"| `{part}` | {len(b)} | {steps} | x {x0:g} to {x1:g}, y {y0:g} to {y1:g} |")
     lines += [
         "",

@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.controller import trace
+from wedmcam.controllers.pointwise import LineTable, trace
 from wedmcam.formats import quadrants
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable
+from wedmcam.ir.program import BLOCK, Axis, Kind
 from wedmcam.machines import Layout, Machine
 
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller import Motion, arc_end, position, run
+from wedmcam.controllers import Motion, Stepping
 from wedmcam.diag import Diagnostic, Span, error, warning
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program
+from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 
 Ints = NDArray[np.int64]
 Blocks = NDArray[np.void]
@@ -29,7 +29,7 @@ class Rules:
 
     Attributes:
         square: arcs count on the inscribed square, not on an axis.
-        table: the line table of the other controller, as it looks from the drawing.
+        stepping: of the other controller, as it looks from the drawing.
         count_um: largest J. line_um: largest component of a line.
         words: a pattern of the bare control words that are kept; empty for none.
         pairs: a line alone between two pauses would be read as a move.
@@ -39,7 +39,7 @@ class Rules:
     """
 
     square: bool
-    table: LineTable
+    stepping: Stepping
     count_um: int
     line_um: int
     words: str
@@ -50,13 +50,13 @@ class Rules:
 
 
 def carry(
-    program: Program, table: LineTable, rules: Rules
+    program: Program, stepping: Stepping, rules: Rules
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program for another controller, and what could not be carried over.
 
     Args:
         program: as its own reader made it.
-        table: of the controller that it was read for.
+        stepping: of the controller that it was read for.
         rules: of the format that it goes to.
 
     Returns:
@@ -65,7 +65,7 @@ def carry(
         that was read. None when a block cannot be run at all.
     """
     blocks = program.blocks
-    motion = run(blocks, table)
+    motion = stepping.run(blocks)
     found: list[Diagnostic] = []
     endless = np.flatnonzero(motion.steps < 0)
     for i in endless[:1].tolist():
@@ -98,13 +98,13 @@ def carry(
         what = f"{len(late)} blocks behind the end of cutting are no part of the path; left out"
         found.append(warning("not-carried", what, _span(program, int(late[0]))))
         kept[late] = False
-    parts = _parts(blocks, motion, kept, rules, table)
+    parts = _parts(blocks, motion, kept, rules, stepping)
     made = np.zeros(len(parts.source), BLOCK)
     for name in ("kind", "turn", "axis", "x", "y", "count", "source"):
         made[name] = getattr(parts, name)
     made["cut"], made["role"] = blocks["cut"][parts.source], blocks["role"][parts.source]
     if rules.pairs:
-        made = _never_alone(made, rules.table)
+        made = _never_alone(made, rules.stepping)
     told = tuple((k, words[int(s)]) for k, s in enumerate(made["source"]) if int(s) in words)
     sources = tuple(program.spans)
     if len(sources) != len(blocks):
@@ -130,7 +130,7 @@ class _Parts:
 
 
 def _parts(
-    blocks: Blocks, motion: Motion, kept: NDArray[np.bool_], rules: Rules, table: LineTable
+    blocks: Blocks, motion: Motion, kept: NDArray[np.bool_], rules: Rules, stepping: Stepping
 ) -> _Parts:
     """Return every kept block as one or more blocks that the other format can state."""
     kind = blocks["kind"].astype(np.int64)
@@ -144,8 +144,8 @@ def _parts(
     pieces = np.where(straight & kept, -(-longest // most), pieces)
     halves = -(-motion.steps // (2 * rules.count_um)) if rules.count_um else 1
     long = np.where(motion.steps > rules.count_um, halves * 2, 1)
-    whole = arc_end(blocks["x"], blocks["y"], np.where(arc, blocks["turn"], 1), blocks["x"],
-                    blocks["y"]).steps  # fmt: skip
+    x, y = blocks["x"], blocks["y"]
+    whole = stepping.arc_end(x, y, np.where(arc, blocks["turn"], 1), x, y).steps
     rounds = np.where(arc & (not rules.turns), -(-motion.steps // np.maximum(whole, 1)), 1)
     long = np.where(rounds > 1, rounds, long)
     pieces = np.where(arc & kept, long, pieces)
@@ -159,8 +159,8 @@ def _parts(
     low = np.where(by_turn, nth * whole[source], low)
     high = np.where(by_turn, np.minimum((nth + 1) * whole[source], steps), high)
     part = blocks[source].copy()
-    x0, y0 = position(part, low, table)
-    x1, y1 = position(part, high, table)
+    x0, y0 = stepping.position(part, low)
+    x1, y1 = stepping.position(part, high)
     last = nth == of - 1
     x1, y1 = np.where(last, motion.dx[source], x1), np.where(last, motion.dy[source], y1)
     dx, dy = x1 - x0, y1 - y0
@@ -174,7 +174,7 @@ def _parts(
         source=source.astype(np.int64),
     )
     line = straight[source]
-    axis, count = line_count(dx, dy, rules.table)
+    axis, count = rules.stepping.line_count(dx, dy)
     out.axis = np.where(line, axis, 0)
     out.count = np.where(line, count, 0)
     rows = np.flatnonzero(arc[source])
@@ -191,8 +191,8 @@ def _with_arcs(
     the one before that does, and a line of a micron or two goes on to the end. The path comes by an
     end once a turn: what ``steps`` go beyond that are whole turns.
     """
-    end = arc_end(sx, sy, out.turn[rows], sx + dx, sy + dy, rules.square_axis)
-    whole = arc_end(sx, sy, out.turn[rows], sx, sy, rules.square_axis)
+    end = rules.stepping.arc_end(sx, sy, out.turn[rows], sx + dx, sy + dy, rules.square_axis)
+    whole = rules.stepping.arc_end(sx, sy, out.turn[rows], sx, sy, rules.square_axis)
     turns = np.where(end.landed, (steps - end.steps) // np.maximum(whole.steps, 1), 0)
     out.x[rows], out.y[rows] = sx, sy
     if not rules.square:
@@ -209,9 +209,9 @@ def _with_arcs(
     for name, values in (("x", sx), ("y", sy), ("count", square)):
         cut[name] = values[short]
     cut["kind"], cut["turn"], cut["axis"] = Kind.ARC, out.turn[rows][short], rules.square_axis
-    there = run(cut, rules.table)
+    there = rules.stepping.run(cut)
     rest_x, rest_y = dx[short] - there.dx, dy[short] - there.dy
-    axis, count = line_count(rest_x, rest_y, rules.table)
+    axis, count = rules.stepping.line_count(rest_x, rest_y)
     at = rows[short] + 1
     gone = np.flatnonzero(square[short] == 0)
 
@@ -237,18 +237,7 @@ def _with_arcs(
     return made
 
 
-def line_count(dx: Ints, dy: Ints, table: LineTable) -> tuple[Ints, Ints]:
-    """Return (axis, J) with which full lines end exactly: the longer side; ties by the table.
-
-    >>> line_count(np.array([3, -3]), np.array([3, 3]), LineTable.ROTATE)[0].tolist()
-    [1, 0]
-    """
-    ax, ay = abs(dx), abs(dy)
-    on_y = (ay > ax) | ((ay == ax) & table.x_first(dx, dy))
-    return np.where(on_y, int(Axis.Y), int(Axis.X)), np.where(on_y, ay, ax)
-
-
-def _never_alone(made: Blocks, table: LineTable) -> Blocks:
+def _never_alone(made: Blocks, stepping: Stepping) -> Blocks:
     """Write a single line between two pauses as two: alone it would be read as a move."""
     kind = made["kind"]
     quiet = (kind == Kind.PAUSE) | (kind == Kind.THREAD)
@@ -265,5 +254,5 @@ def _never_alone(made: Blocks, table: LineTable) -> Blocks:
         both[name][first] = half
         both[name][first + 1] = made[name][at] - half
     rows = np.concatenate([first, first + 1])
-    both["axis"][rows], both["count"][rows] = line_count(both["x"][rows], both["y"][rows], table)
+    both["axis"][rows], both["count"][rows] = stepping.line_count(both["x"][rows], both["y"][rows])
     return both

@@ -28,7 +28,6 @@ from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.plan import Cut, Plan, Side
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
-from wedmcam.transforms.carry import line_count
 from wedmcam.transforms.compensate import compensate
 from wedmcam.transforms.lower import Target, lower
 
@@ -157,7 +156,7 @@ def _line(dx: int, dy: int, target: Target) -> Blocks:
     x, y = dx * k // max(pieces, 1), dy * k // max(pieces, 1)
     out = np.zeros(pieces, BLOCK)
     out["kind"], out["x"], out["y"] = Kind.LINE, np.diff(x), np.diff(y)
-    out["axis"], out["count"] = line_count(out["x"], out["y"], target.table)
+    out["axis"], out["count"] = target.stepping.line_count(out["x"], out["y"])
     return out
 
 

@@ -15,11 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Cut, Plan
-from wedmcam.ir.program import BLOCK, Axis, Kind, LineTable, Program, Role
+from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.transforms.lower.course import Course, lay_out
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
 from wedmcam.transforms.lower.repair import best_chain
@@ -45,18 +46,18 @@ class Target:
     """What lowering must know of the machine.
 
     Attributes:
+        stepping: the controller's interpolator, as it looks from the drawing.
         square: arcs count on the inscribed square (compact format), not on an axis.
         square_axis: how that square counts at a tie, `Axis` SQUARE or SQUARE_X.
-        table: the controller's line table, as it looks from the drawing.
         count_um: largest J. line_um: largest line component. arc_um: largest arc coordinate and
             radius.
         textbook: J by geometry, for controllers that recompute the ends of arcs.
         step_um: how far a step moves the machine. The limits above count steps.
     """
 
+    stepping: Stepping
     square: bool = False
     square_axis: Axis = Axis.SQUARE
-    table: LineTable = LineTable.ROTATE
     count_um: int = 999_999
     line_um: int = 999_999
     arc_um: int = 999_999
@@ -332,6 +333,7 @@ def _try_arcs(s: _State, target: Target, budget: Budget) -> None:
         budget,
         target.arc_um,
         target.count_um,
+        target.stepping,
         textbook=target.textbook,
         square=target.square_axis,
     )
@@ -461,6 +463,7 @@ def _pair_costs(
             budget,
             target.arc_um,
             target.count_um,
+            target.stepping,
             textbook=target.textbook,
             square=target.square_axis,
         )
@@ -519,7 +522,7 @@ def _blocks(
     blocks["turn"] = np.where(arc, s.turn, 0)
     blocks["x"] = np.where(arc, s.ax, dx)
     blocks["y"] = np.where(arc, s.ay, dy)
-    axis, count = _line_count(dx, dy, target)
+    axis, count = target.stepping.line_count(dx, dy)
     arc_axis = np.full(len(a), int(target.square_axis)) if target.square else s.axis
     blocks["axis"] = np.where(arc, arc_axis, axis)
     blocks["count"] = np.where(arc, s.square if target.square else s.count, count)
@@ -548,7 +551,7 @@ def _blocks(
             if mx or my:
                 move = np.zeros(1, BLOCK)
                 move["kind"], move["x"], move["y"], move["source"] = Kind.MOVE, mx, my, -1
-                m_axis, m_count = _line_count(np.array([mx]), np.array([my]), target)
+                m_axis, m_count = target.stepping.line_count(np.array([mx]), np.array([my]))
                 move["axis"], move["count"] = m_axis, m_count
                 parts += [move, _control(Kind.PAUSE)]
         for n, group in enumerate(course.cut_groups[index]):
@@ -589,12 +592,5 @@ def _never_alone(body: NDArray[np.void], target: Target) -> NDArray[np.void]:
     both = np.concatenate([body, body])
     hx, hy = int(to_grid(x / 2)), int(to_grid(y / 2))
     both["x"], both["y"] = [hx, x - hx], [hy, y - hy]
-    both["axis"], both["count"] = _line_count(both["x"], both["y"], target)
+    both["axis"], both["count"] = target.stepping.line_count(both["x"], both["y"])
     return both
-
-
-def _line_count(dx: Ints, dy: Ints, target: Target) -> tuple[Ints, Ints]:
-    """Return (axis, J) of lines: along the longer side; at a tie where the table ends exactly."""
-    ax, ay = np.abs(dx), np.abs(dy)
-    on_y = (ay > ax) | ((ay == ax) & target.table.x_first(dx, dy))
-    return np.where(on_y, int(Axis.Y), int(Axis.X)), np.where(on_y, ay, ax)

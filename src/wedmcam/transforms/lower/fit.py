@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller import arc_end
+from wedmcam.controllers import Stepping
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.program import Axis
 
@@ -169,6 +169,7 @@ def fit_arcs(
     budget: Budget,
     arc_limit: int,
     count_limit: int,
+    stepping: Stepping,
     *,
     textbook: bool = False,
     square: Axis = Axis.SQUARE,
@@ -196,6 +197,7 @@ def fit_arcs(
             budget,
             arc_limit,
             count_limit,
+            stepping,
             textbook,
             square,
         )
@@ -213,6 +215,7 @@ def _fit_piece(
     budget: Budget,
     arc_limit: int,
     count_limit: int,
+    stepping: Stepping,
     textbook: bool,
     square_axis: Axis,
 ) -> Arcs:
@@ -232,7 +235,7 @@ def _fit_piece(
         square, steps = np.zeros_like(count), np.zeros_like(count)
         usable &= landed & (count <= count_limit)
     else:
-        end = arc_end(x, y, turn, fx, fy, square_axis)
+        end = stepping.arc_end(x, y, turn, fx, fy, square_axis)
         axis = end.last_axis
         count = np.where(axis == Axis.X, end.count_x, end.count_y)
         square, steps = end.count_square, end.steps
@@ -310,7 +313,7 @@ def _stray(
 
 def _textbook(x: Ints, y: Ints, turn: Ints, fx: Ints, fy: Ints) -> tuple[Bools, Ints, Ints]:
     """Return (comes out, axis, J) of arcs with J by geometry, R rounded to whole um."""
-    from wedmcam.controller.nominal import nominal_count, nominal_end
+    from wedmcam.controllers.pointwise.nominal import nominal_count, nominal_end
 
     axis = np.where(np.abs(fx) >= np.abs(fy), int(Axis.Y), int(Axis.X))
     count = nominal_count(x, y, turn, fx, fy, axis)

@@ -11,9 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller.circle import Bools, Floats, Ints, apex, frame, quadrant
-from wedmcam.controller.closed import EXACT, Motion, line_frame, run
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.controllers.pointwise.circle import Bools, Floats, Ints, apex, frame, quadrant
+from wedmcam.controllers.pointwise.closed import EXACT, line_frame, run
+from wedmcam.controllers.pointwise.table import LineTable
+from wedmcam.controllers.stepping import Motion
+from wedmcam.ir.program import Kind
 
 #: Steps computed at a time: few enough for the cache, so many that the calls do not count.
 PIECE = 65536

@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller.circle import Bools, Floats, Ints, apex, frame, quadrant
-from wedmcam.controller.closed import position, run
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.controllers.pointwise.circle import Bools, Floats, Ints, apex, frame, quadrant
+from wedmcam.controllers.pointwise.closed import position, run
+from wedmcam.controllers.pointwise.table import LineTable
+from wedmcam.ir.program import Kind
 
 
 def reversals(

@@ -16,9 +16,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller.circle import Bools, Floats, Ints, apex, frame, place, tie
-from wedmcam.controller.closed import PIECE, line_frame, run
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.controllers.pointwise.circle import Bools, Floats, Ints, apex, frame, place, tie
+from wedmcam.controllers.pointwise.closed import PIECE, line_frame, run
+from wedmcam.controllers.pointwise.table import LineTable
+from wedmcam.ir.program import Kind
 
 #: Rows that a search looks at in its first round; each round doubles it. Few, for many short arcs.
 _FIRST_ROWS = 4

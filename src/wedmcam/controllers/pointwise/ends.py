@@ -5,40 +5,22 @@ Lowering asks this of many neighbouring centres at once; no square root is neede
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wedmcam.controller.circle import Bools, Floats, Frame, Ints, apex, frame, quadrant, tie
-from wedmcam.controller.closed import PIECE, arc_valid
+from wedmcam.controllers.pointwise.circle import (
+    Floats,
+    Frame,
+    apex,
+    frame,
+    quadrant,
+    tie,
+)
+from wedmcam.controllers.pointwise.closed import PIECE, arc_valid
+from wedmcam.controllers.stepping import ArcEnd
 from wedmcam.ir.program import Axis
-
-
-class ArcEnd(NamedTuple):
-    """How arcs arrive at wanted ends; every array has the shape that the inputs broadcast to.
-
-    Where ``landed`` is False, ``steps`` is -1 and all else is 0 or False. A J stops the arc there
-    only if the arriving step counts: ``count_x`` only where ``last_axis`` is `Axis.X`, ``count_y``
-    only where it is `Axis.Y`, ``count_square`` only where ``square_counts``.
-
-    Attributes:
-        landed: the stepped path stands exactly on the end, within one turn.
-        steps: how many steps it takes to get there (it comes by once a turn).
-        last_axis: int64 `Axis` of the arriving step.
-        count_x: steps along x until then.
-        count_y: steps along y until then.
-        count_square: steps until then that count on the inscribed square.
-        square_counts: whether the arriving step is one of them.
-    """
-
-    landed: Bools
-    steps: Ints
-    last_axis: Ints
-    count_x: Ints
-    count_y: Ints
-    count_square: Ints
-    square_counts: Bools
 
 
 def arc_end(

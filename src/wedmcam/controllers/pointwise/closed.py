@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controller.circle import (
+from wedmcam.controllers.pointwise.circle import (
     COUNT_MAX,
     R2_MAX,
     R2_MIN,
@@ -25,7 +25,9 @@ from wedmcam.controller.circle import (
     tie,
     unframe,
 )
-from wedmcam.ir.program import Axis, Kind, LineTable
+from wedmcam.controllers.pointwise.table import LineTable
+from wedmcam.controllers.stepping import Motion
+from wedmcam.ir.program import Axis, Kind
 
 # As plain numbers: comparing an array with a member of an enumeration costs 7 us more.
 _X, _Y, _SQUARE, _SQUARE_X = (int(axis) for axis in Axis)
@@ -38,22 +40,6 @@ EXACT = 2**52
 
 #: Largest component of a line's direction, and largest count: their products fit int64.
 LINE_MAX = 2**30
-
-
-class Motion(NamedTuple):
-    """What blocks do, one entry a block, int64.
-
-    Attributes:
-        dx: end minus start, um.
-        dy: likewise.
-        steps: how many steps the block makes; 0 for a control block, -1 for a block that is
-            invalid (dx = dy = 0): an arc with R^2 < 2 or R over 23 m, a line counted on an axis on
-            which it has no length, a negative count, numbers beyond `LINE_MAX` or `COUNT_MAX`.
-    """
-
-    dx: Ints
-    dy: Ints
-    steps: Ints
 
 
 # --- lines ------------------------------------------------------------------------------------

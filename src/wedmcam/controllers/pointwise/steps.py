@@ -8,30 +8,12 @@ deviation F alone: F >= 0 steps one way, F < 0 the other. Lengths are um, one st
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.ir.program import Axis, Kind, LineTable
-
-
-class Step(NamedTuple):
-    """One motor step.
-
-    Attributes:
-        axis: `Axis.X` or `Axis.Y`.
-        sign: +1 or -1.
-        f: the deviation F after the step.
-        x: where the machine stands after it, um: from the start of a line, from the centre of an
-            arc.
-        y: likewise.
-    """
-
-    axis: Axis
-    sign: int
-    f: int
-    x: int
-    y: int
+from wedmcam.controllers.pointwise.table import LineTable
+from wedmcam.controllers.stepping import Step
+from wedmcam.ir.program import Axis, Kind
 
 
 def _sign(value: int) -> int:

@@ -110,7 +110,10 @@ path_options = _stack(
     click.option("--stop", "stop_um", type=LENGTH, help="Pause so far before the end."),
     click.option("--overcut", "overcut_um", type=LENGTH, help="Cut so far past the start."),
     click.option("--order", type=click.Choice(["given", "inner-first", "nearest"])),
-    click.option("--reverse/--no-reverse", help="Clockwise instead of counter-clockwise."),
+    click.option(
+        "--reverse/--no-reverse",
+        help="Clockwise instead of counter-clockwise; cuts of a .wed each the other way.",
+    ),
     click.option(
         "--cuts",
         metavar="A-B",
@@ -207,7 +210,27 @@ def options_of(asked: dict[str, Any]) -> Options:
         from_block=asked["from_block"] or 0,
         backwards=asked["backwards"],
         d=asked.get("d", ()),
+        wishes=wishes_of(asked),
     )
+
+
+#: Fields that an option of another name fills in.
+_FILLS = {
+    "wire_um": "offset_um",
+    "gap_um": "offset_um",
+    "convex": "sharp",
+    "from_": "source",
+    "on_interference": "trim",
+}
+
+
+def wishes_of(asked: dict[str, Any]) -> frozenset[str] | None:
+    """Return the fields of `Options` that were typed, and wire_um and gap_um where these were.
+
+    None where it is not known what was typed.
+    """
+    typed: frozenset[str] | None = asked.get("wishes")
+    return None if typed is None else typed | {_FILLS.get(name, name) for name in typed}
 
 
 def feed_of(asked: dict[str, Any]) -> float | None:

@@ -472,6 +472,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
         side=side,
         offset_um=1.0 if side else None,  # a side needs one; it is not used
         strict=asked["strict"],
+        wishes=ask.wishes_of(asked),
     )
     data = read_input(input_)
     with waiting(f"inspecting {_name(input_)}"):

@@ -22,6 +22,7 @@ from wedmcam.ir.sketch import ThreadPoint
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+TAU = 2 * math.pi
 #: In um: whole numbers where a step of the machine is.
 Places = NDArray[np.int64] | NDArray[np.float64]
 
@@ -105,11 +106,12 @@ class _Segments(NamedTuple):
         r = self.radius()
         first = np.arctan2(self.y0 - self.cy, self.x0 - self.cx)
         low, high = np.minimum(first, first + self.sweep), np.maximum(first, first + self.sweep)
-        for k in range(-4, 5):
-            angle = k * math.pi / 2
-            on = (self.sweep != 0) & (low <= angle) & (angle <= high)
-            x.append((self.cx + r * math.cos(angle))[on])
-            y.append((self.cy + r * math.sin(angle))[on])
+        for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1)):
+            apex = math.atan2(dy, dx)
+            after = apex + TAU * np.ceil((low - apex) / TAU)  # the first one from the start on
+            on = (self.sweep != 0) & (after <= high)
+            x.append((self.cx + r * dx)[on])
+            y.append((self.cy + r * dy)[on])
         xs, ys = np.concatenate(x), np.concatenate(y)
         return float(xs.min()), float(ys.min()), float(xs.max()), float(ys.max())
 
@@ -143,9 +145,9 @@ def _of_contour(contour: Contour) -> _Segments:
     turned = np.arctan2(b["y"] - a["cy"], b["x"] - a["cx"]) - np.arctan2(
         a["y"] - a["cy"], a["x"] - a["cx"]
     )
-    sweep = np.mod(turned * turn, 2 * math.pi)
+    sweep = np.mod(turned * turn, TAU)
     full = (a["x"] == b["x"]) & (a["y"] == b["y"])
-    sweep = np.where(turn == 0, 0.0, np.where(full, 2 * math.pi, sweep) * turn)
+    sweep = np.where(turn == 0, 0.0, np.where(full, TAU, sweep) * turn)
     x0, y0, x1, y1, cx, cy = (v / 1000 for v in (a["x"], a["y"], b["x"], b["y"], a["cx"], a["cy"]))
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
 
@@ -161,14 +163,14 @@ def _of_blocks(blocks: NDArray[np.void], starts: Places, ends: Places, step_um: 
     to_end = ends - centre
     r = np.hypot(blocks["x"], blocks["y"])
     turned = np.arctan2(to_end[:, 1], to_end[:, 0]) - np.arctan2(blocks["y"], blocks["x"])
-    sweep = np.mod(turned * turn, 2 * math.pi)
-    # Start and end nearly the same place: a full circle counts at least 4 R, next to nothing
-    # counts next to nothing, and the end may lie a little on either side of the start.
-    closes = np.hypot(*(ends - starts).T) <= np.minimum(8, r)
-    full = closes & (blocks["count"] > 2 * r)
-    sweep = np.where(full & (sweep < math.pi), sweep + 2 * math.pi, sweep)
-    sweep = np.where(closes & ~full & (sweep > math.pi), 0.0, sweep)
-    sweep = np.where(arc, sweep * turn, 0.0)
+    sweep = np.mod(turned * turn, TAU)
+    # The ends tell the angle but for whole turns: an arc may end a little before or behind where
+    # it starts, and go round again. A turn counts 4 R on an axis, and on the sides of the inscribed
+    # square 4 R sqrt 2; within a turn the count is never half a turn off.
+    square = (blocks["axis"] == Axis.SQUARE) | (blocks["axis"] == Axis.SQUARE_X)
+    a_turn = np.where(square, math.sqrt(2), 1.0) * 4 * np.maximum(r, 1)
+    sweep += TAU * np.round(blocks["count"] / a_turn - sweep / TAU)
+    sweep = np.where(arc, np.maximum(sweep, 0.0) * turn, 0.0)
     (x0, y0), (x1, y1), (cx, cy) = (p.T / per_mm for p in (starts, ends, centre))
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
 

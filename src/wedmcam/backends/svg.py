@@ -515,8 +515,11 @@ class _Wire:
             away = 8.0 + 2.6 * abs(nx) * (len(str(i + 1)) - 1)
             spots = [(u + sign * away * nx, v + sign * away * ny) for sign in (1.0, -1.0)]
             boxes = [(at, sheet.label_box(*at, str(i + 1), 9)) for at in spots]
-            for at, box in boxes:
-                if sheet.inside(box) and sheet.clear(box) and sheet.claim(box):
+            # The first block of a cut rather lies on a line than on the number of its thread point.
+            tries = [(at, box, True) for at, box in boxes]
+            tries += [(at, box, False) for at, box in boxes if i in always]
+            for at, box, clear in tries:
+                if sheet.inside(box) and (not clear or sheet.clear(box)) and sheet.claim(box):
                     taken.append((i, *at))
                     break
             else:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 from wedmcam.cli.lengths import LENGTH, OFFSET, POINT
 
@@ -159,6 +160,21 @@ said_options = _stack(
     click.option("-q", "--quiet", is_flag=True, help="Say only what is wrong."),
     click.option("-v", "--verbose", is_flag=True, help="Say more."),
 )
+
+
+def _names(*stacks: Callable[[Any], Any]) -> frozenset[str]:
+    """Return the names of the parameters that stacks of options make."""
+
+    def probe() -> None: ...
+
+    for stack in stacks:
+        probe = stack(probe)
+    return frozenset(str(option.name) for option in probe.__click_params__)  # type: ignore[attr-defined]
+
+
+#: Parameters that say how a drawing is read, and how it is cut.
+DRAWING_NAMES = _names(drawing_options)
+PATH_NAMES = _names(path_options)
 
 compile_options = _stack(drawing_options, path_options, machine_options)
 
@@ -359,6 +375,15 @@ def format_of(output: str, to: str | None, profile: Machine | None = None) -> st
         known = ", ".join(FORMAT_OF_SUFFIX)
         raise WrongUse(f"the name {output} does not tell the format ({known}): give --to")
     return found
+
+
+def warn_of_idle(names: Set[str], why: str) -> None:
+    """Say which of the options of some parameters were typed and have no effect."""
+    context = click.get_current_context()
+    for option in context.command.params:
+        typed = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
+        if option.name in names and typed:
+            click.echo(f"warning: {option.opts[0]} has no effect: {why}", err=True)
 
 
 def warn_of_name(output: str, format_: str) -> None:

@@ -783,7 +783,7 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
         raise WrongUse("there is nothing to draw")
     starts, ends = positions(made.program, made.machine)
     return plot_program(
-        made.program,
+        _with_cuts(made.program, made.verdict),
         starts,
         ends,
         plan=made.plan,
@@ -791,6 +791,21 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
         facts=_plot_facts(made),
         marks=marks,
     )
+
+
+def _with_cuts(program: Program, verdict: Verdict | None) -> Program:
+    """Return a program whose blocks have the numbers of the cuts that the verdict tells."""
+    from dataclasses import replace
+
+    from wedmcam.ir.program import Kind
+
+    blocks = program.blocks.copy()
+    blocks["cut"] = 0
+    for cut in verdict.cuts if verdict is not None else ():
+        blocks["cut"][cut.first_block - 1 : cut.last_block] = cut.number
+    if (blocks["cut"][blocks["kind"] < Kind.MOVE] == 0).any():  # some blocks are of no cut
+        return program
+    return replace(program, blocks=blocks)
 
 
 def plot_html(made: Compilation | Proof | Inspection, title: str = "") -> str:

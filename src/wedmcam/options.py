@@ -54,7 +54,8 @@ class Options:
         stop_um: how far before its end each closed path pauses; 0 for no pause.
         overcut_um: how far past its start each closed path is cut.
         order: see `Order`; None for inner-first.
-        reverse: clockwise instead of counter-clockwise.
+        reverse: clockwise instead of counter-clockwise; cuts of a part program the other way than
+            it says.
         count: "exact", "textbook", or None for what the profile says.
         strict: warnings are errors.
         cuts: only these contours of the program, first and last, 1-based; None for all.
@@ -62,6 +63,10 @@ class Options:
         backwards: the rest of the contour of ``from_block`` from its end back to that block.
         d: offsets of a controller that compensates itself (G41, G42): D number and um.
         arithmetic: "decimal8", in which the ZD-065 computes, or "float64": in what formulas run.
+        wishes: names of the fields that were asked for with this source in mind (typed; wire_um
+            and gap_um beside offset_um where they state it), in contrast to the defaults of a
+            shop; None where whatever is not the usual counts as a wish. They change no program: a
+            wish without effect is said.
     """
 
     units: str | None = None
@@ -92,6 +97,7 @@ class Options:
     from_block: int = 0
     backwards: bool = False
     d: tuple[tuple[int, float], ...] = ()
+    wishes: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
         if self.units not in (None, "mm", "um", "inch"):
@@ -125,6 +131,13 @@ class Options:
             if 0 < getattr(self, name) < 1:
                 raise WrongUse(f"--{name[:-3]} is 0 or 1 um at least: no step is shorter")
 
+    def wished(self, name: str) -> bool:
+        """Return whether a field was asked for; a default of a shop is no wish."""
+        if self.wishes is not None:
+            return name in self.wishes
+        usual = {f.name: f.default for f in fields(self)}[name]
+        return bool(getattr(self, name) != usual)
+
     @property
     def effective_side(self) -> Side:
         """The side in force."""
@@ -143,7 +156,10 @@ class Options:
     def as_data(self) -> dict[str, Any]:
         """Return the options as plain data for the certificate; defaults are left out."""
         data = asdict(self)
-        kept = {f.name: data[f.name] for f in fields(self) if data[f.name] != f.default}
+        del data["wishes"]  # of whoever typed them, not of the program
+        kept = {
+            f.name: data[f.name] for f in fields(self) if data.get(f.name, f.default) != f.default
+        }
         return {k: str(v) if isinstance(v, Side | Order) else v for k, v in kept.items()}
 
     @classmethod

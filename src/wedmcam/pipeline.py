@@ -128,7 +128,7 @@ def source_format(data: bytes, file: str, options: Options) -> str:
 def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     """Return the figures that a part program cuts, each with what is asked of it."""
     from wedmcam.frontends.wed import read as read_wed
-    from wedmcam.transforms import items
+    from wedmcam.transforms import idle, items
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.nest import nest
 
@@ -136,7 +136,7 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         "read",
         read_wed(data, file, arithmetic=options.arithmetic, defines=options.defines),
     )
-    run.add("read", items.idle_options(part, options))
+    run.add("read", idle.of_source(part, options))
     more = _transforms(options, run)
     worked = run("transform", items.worked(part, more, arithmetic(options)))
     sketch, contours = items.sketch_of(part, worked)

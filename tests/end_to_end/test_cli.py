@@ -362,3 +362,20 @@ def test_no_output_overwrites_a_profile_or_the_settings(folder):
         assert done.returncode == 2
         assert "would overwrite" in done.stderr.decode()
     assert (folder / "mine.toml").read_bytes() == shown
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("plot part.dxf -o x.svg --contours --offset 0.1", ["--offset"]),
+        ("plot made.3b -o x.svg --offset 0.1 --join 0.02", ["--join", "--offset"]),
+        ("verify made.3b --reverse --layer X", ["--layer", "--reverse"]),
+        ("verify made.3b --against part.dxf --offset 0.1 --reverse", []),
+        ("plot part.dxf -o x.svg --offset 0.1 --reverse", []),
+    ],
+)
+def test_options_of_a_drawing_that_are_not_used_are_said(folder, line, words):
+    wedmcam("compile", "part.dxf", "-o", "made.3b", "--offset", "0.1", cwd=folder)
+    said = wedmcam(*line.split(), cwd=folder).stderr.decode()
+    found = [row.split()[1] for row in said.splitlines() if "has no effect" in row]
+    assert found == words, said

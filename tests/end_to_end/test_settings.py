@@ -262,3 +262,22 @@ def test_a_profile_of_the_shop_counts_among_several_formats(shop):
     assert "profile turned" in said(shop, "compile", "part.dxf", "-o", "two", "--to", "3b,iso")
     jobs = shop / "jobs"
     assert (jobs / "two.3b").read_bytes() == (jobs / "one.3b").read_bytes()
+
+
+def test_settings_without_effect_on_a_part_program_are_not_told_and_typed_options_are(shop):
+    text = "contour a { circle center (0, 0) radius 5 }\ncut a outside offset 0.1 start (9, 0)\n"
+    (shop / "jobs" / "a.wed").write_text(text)
+    put(shop, "jobs", "wire = 0.18", "gap = 0.01", "lead = 2", "stop = 1", 'layer = ["CUT*"]')
+    done = wedmcam("check", "jobs/a.wed", cwd=shop, env=user(shop))
+    assert done.returncode == 0
+    assert b"no effect" not in done.stderr
+    for line, word in (
+        (("--gap", "0.02"), "--gap has no effect"),
+        (("--wire", "0.2", "--gap", "0.02"), "--wire and --gap have no effect"),
+        (("--offset", "0.2"), "--offset has no effect"),
+        (("--lead", "1mm"), "--lead has no effect"),  # also where it is the usual
+    ):
+        for command in (("check", "jobs/a.wed"), ("batch", "jobs", "-o", "out")):
+            said = wedmcam(*command, *line, cwd=shop, env=user(shop)).stderr.decode()
+            assert said.count("has no effect") + said.count("have no effect") == 1, said
+            assert word in said

@@ -247,7 +247,7 @@ def test_diameter_taken_for_a_radius(inside):
         (Cut(square(10000), make(10000, 2 * OFFSET), thread),), (square(10000),), (0,), side, OFFSET
     )
     errors = refuse(lower(plan), plan)
-    assert "outline 1 is not cut" in errors["missing-piece"]
+    assert "the outline of cut 1 is not cut" in errors["missing-piece"]
     assert "stays 0.100 mm off" in errors["missing-piece"]
 
 
@@ -267,17 +267,17 @@ def test_hole_of_the_plan_not_cut():
     plan = part_with_hole()
     only = replace(plan, cuts=plan.cuts[1:])
     errors = refuse(lower(only), only)
-    assert "outline 2 is not cut, first at" in errors["missing-piece"]
+    assert "an outline is not cut, first at" in errors["missing-piece"]
 
 
 def test_hole_not_in_the_program():
     plan = part_with_hole()
     only = replace(plan, cuts=plan.cuts[1:])
     errors = refuse(lower(only), plan)
-    assert errors["missing-cut"].startswith("cut 1 (contour 2")
+    assert errors["missing-cut"].startswith("cut 1 (threaded at")
     only = replace(plan, cuts=plan.cuts[:1])
     errors = refuse(lower(only), plan)
-    assert errors["missing-cut"].startswith("cut 2 (contour 1")
+    assert errors["missing-cut"].startswith("cut 2 (threaded at")
 
 
 def test_a_side_of_the_outline_left_out_of_the_plan():

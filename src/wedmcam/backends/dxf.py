@@ -2,7 +2,7 @@
 
 Old programs are often all that is left of a part. Each block becomes the LINE, ARC or CIRCLE that
 the controller makes of it, from the micron where it starts to the micron where its last step ends.
-An ARC holds no end points; its circle is moved by less than a micron so that it passes both, and
+An ARC holds no end points; its circle is moved by about a micron so that it passes both, and
 neighbours meet. Layers tell what the wire does: CUT, LEAD (out from the thread point and back the
 same way), OVERCUT, MOVE (wire off), and POINTs on START (thread points) and STOP. The reader takes
 START for thread points, so that ``compile --layer CUT --layer START`` makes the program again.
@@ -11,6 +11,7 @@ START for thread points, so that ``compile --layer CUT --layer START`` makes the
 from __future__ import annotations
 
 import io
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,8 @@ Ints = NDArray[np.int64]
 #: Layer -> AutoCAD colour index.
 LAYERS = {"CUT": 1, "LEAD": 3, "OVERCUT": 6, "MOVE": 8, "START": 5, "STOP": 2}
 TAU = 2.0 * np.pi
+#: An arc of more than half a turn whose centre would move farther than this is drawn as two; steps.
+MOVED_STEPS = 1.5
 
 
 def encode(program: Program, machine: Machine) -> bytes:
@@ -109,11 +112,39 @@ def _add_arc(
         space.add_circle(centre, radius / per_mm, dxfattribs=attributes)
     if start == end:
         return
+    rest = sweep % TAU
+    # Where both ends lie near each other and no circle about the centre passes both, one through
+    # both would be another circle: two arcs then, that meet on the far side.
+    ends: list[tuple[float, float]] = [start, end]
+    if rest > TAU / 2 and abs(_along((cx, cy), start, end)) > MOVED_STEPS:
+        half = first + turn * rest / 2
+        ends.insert(1, (cx + radius * float(np.cos(half)), cy + radius * float(np.sin(half))))
+    for one, two in pairwise(ends):
+        _add_piece(space, turn, (cx, cy), one, two, per_mm, attributes)
+
+
+def _along(centre: tuple[float, float], a: tuple[float, float], b: tuple[float, float]) -> float:
+    """Return how far along the way from a to b a centre moves to lie as far from both."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    off = ((a[0] + b[0]) / 2 - centre[0]) * dx + ((a[1] + b[1]) / 2 - centre[1]) * dy
+    return off / float(np.hypot(dx, dy))
+
+
+def _add_piece(
+    space: Any,
+    turn: int,
+    centre: tuple[float, float],
+    start: tuple[float, float],
+    end: tuple[float, float],
+    per_mm: float,
+    attributes: dict[str, str],
+) -> None:
+    """Add an arc of less than a turn that passes both ends, steps."""
     # The centre on the middle line of both ends, as near as may be: that moves it along the chord.
     length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
-    ux, uy = (end[0] - start[0]) / length, (end[1] - start[1]) / length
-    along = ((start[0] + end[0]) / 2 - cx) * ux + ((start[1] + end[1]) / 2 - cy) * uy
-    cx, cy = cx + along * ux, cy + along * uy
+    along = _along(centre, start, end) / length
+    cx = centre[0] + along * (end[0] - start[0])
+    cy = centre[1] + along * (end[1] - start[1])
     a = np.degrees(np.arctan2(start[1] - cy, start[0] - cx))
     z = np.degrees(np.arctan2(end[1] - cy, end[0] - cx))
     if turn < 0:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.backends.contours import stretches
 from wedmcam.backends.svg_sheet import INK, Box, Sheet, number, union, words
 from wedmcam.diag import Diagnostic, Severity, Span
 from wedmcam.ir.contour import Contour
@@ -22,6 +23,7 @@ from wedmcam.ir.sketch import ThreadPoint
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+TAU = 2 * math.pi
 #: In um: whole numbers where a step of the machine is.
 Places = NDArray[np.int64] | NDArray[np.float64]
 
@@ -105,11 +107,12 @@ class _Segments(NamedTuple):
         r = self.radius()
         first = np.arctan2(self.y0 - self.cy, self.x0 - self.cx)
         low, high = np.minimum(first, first + self.sweep), np.maximum(first, first + self.sweep)
-        for k in range(-4, 5):
-            angle = k * math.pi / 2
-            on = (self.sweep != 0) & (low <= angle) & (angle <= high)
-            x.append((self.cx + r * math.cos(angle))[on])
-            y.append((self.cy + r * math.sin(angle))[on])
+        for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1)):
+            apex = math.atan2(dy, dx)
+            after = apex + TAU * np.ceil((low - apex) / TAU)  # the first one from the start on
+            on = (self.sweep != 0) & (after <= high)
+            x.append((self.cx + r * dx)[on])
+            y.append((self.cy + r * dy)[on])
         xs, ys = np.concatenate(x), np.concatenate(y)
         return float(xs.min()), float(ys.min()), float(xs.max()), float(ys.max())
 
@@ -143,9 +146,9 @@ def _of_contour(contour: Contour) -> _Segments:
     turned = np.arctan2(b["y"] - a["cy"], b["x"] - a["cx"]) - np.arctan2(
         a["y"] - a["cy"], a["x"] - a["cx"]
     )
-    sweep = np.mod(turned * turn, 2 * math.pi)
+    sweep = np.mod(turned * turn, TAU)
     full = (a["x"] == b["x"]) & (a["y"] == b["y"])
-    sweep = np.where(turn == 0, 0.0, np.where(full, 2 * math.pi, sweep) * turn)
+    sweep = np.where(turn == 0, 0.0, np.where(full, TAU, sweep) * turn)
     x0, y0, x1, y1, cx, cy = (v / 1000 for v in (a["x"], a["y"], b["x"], b["y"], a["cx"], a["cy"]))
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
 
@@ -161,14 +164,14 @@ def _of_blocks(blocks: NDArray[np.void], starts: Places, ends: Places, step_um: 
     to_end = ends - centre
     r = np.hypot(blocks["x"], blocks["y"])
     turned = np.arctan2(to_end[:, 1], to_end[:, 0]) - np.arctan2(blocks["y"], blocks["x"])
-    sweep = np.mod(turned * turn, 2 * math.pi)
-    # Start and end nearly the same place: a full circle counts at least 4 R, next to nothing
-    # counts next to nothing, and the end may lie a little on either side of the start.
-    closes = np.hypot(*(ends - starts).T) <= np.minimum(8, r)
-    full = closes & (blocks["count"] > 2 * r)
-    sweep = np.where(full & (sweep < math.pi), sweep + 2 * math.pi, sweep)
-    sweep = np.where(closes & ~full & (sweep > math.pi), 0.0, sweep)
-    sweep = np.where(arc, sweep * turn, 0.0)
+    sweep = np.mod(turned * turn, TAU)
+    # The ends tell the angle but for whole turns: an arc may end a little before or behind where
+    # it starts, and go round again. A turn counts 4 R on an axis, and on the sides of the inscribed
+    # square 4 R sqrt 2; within a turn the count is never half a turn off.
+    square = (blocks["axis"] == Axis.SQUARE) | (blocks["axis"] == Axis.SQUARE_X)
+    a_turn = np.where(square, math.sqrt(2), 1.0) * 4 * np.maximum(r, 1)
+    sweep += TAU * np.round(blocks["count"] / a_turn - sweep / TAU)
+    sweep = np.where(arc, np.maximum(sweep, 0.0) * turn, 0.0)
     (x0, y0), (x1, y1), (cx, cy) = (p.T / per_mm for p in (starts, ends, centre))
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
 
@@ -195,15 +198,16 @@ def plot(
 ) -> str:
     """Return an SVG picture of a program, with the part where there is a plan.
 
-    Block numbers are 1-based positions in ``program.blocks``, control blocks counted. The frame is
-    the drawing's: mm, y up. The same arguments give the same text.
+    Block numbers are 1-based positions in ``program.blocks``, control blocks counted; thread points
+    have the number of their cut: the program's, else counted as they are cut. The frame is the
+    drawing's: mm, y up. The same arguments give the same text.
 
     Args:
         program: as decoded from the emitted bytes.
         starts: where each block starts, shape (blocks, 2), um, drawing coordinates; for a control
             block where the machine stands.
         ends: where each block ends on the interpolator, likewise.
-        plan: adds outlines, kept material, kerf, and thread points.
+        plan: adds outlines, kept material and kerf.
         title: printed large; the file's name.
         facts: printed in the title block in their order, name -> value.
         marks: findings whose ``points_mm`` are ringed.
@@ -217,7 +221,8 @@ def plot(
         told.setdefault("offset", f"{plan.offset_um / 1000:.3f} mm")
         told.setdefault("side", str(plan.side))
 
-    threads = _threads(program, starts, plan)
+    cuts = _cut_numbers(program, starts, ends)
+    threads = _threads(program, starts, cuts)
     box = _extents(segments, plan, [place for place, _ in threads], marks)
     sheet = Sheet(box, title, len(told))
     legend: list[tuple[str, str]] = []
@@ -233,7 +238,7 @@ def plot(
         else:
             kept = plan.side if plan.side in (Side.PART, Side.DIE) else None
             legend += _part(sheet, plan.outlines, kept, box)
-    wire = _Wire(program, segments, _cut_numbers(blocks))
+    wire = _Wire(program, segments, cuts)
     legend += wire.draw(sheet, 2 * plan.offset_um if plan is not None and kerf else 0.0)
     if part is None and len(wire.cutting):
         contour = wire.cutting[wire.role[wire.cutting] == Role.CONTOUR]
@@ -247,28 +252,31 @@ def plot(
         legend.append((_CROSS, "thread point"))
     legend += wire.pauses(sheet)
     wire.arrows(sheet)
-    wire.labels(sheet, plan)
+    keeps = {} if plan is None else {c.thread: c.keeps_left for c in plan.cuts}
+    wire.labels(sheet, {n: keeps.get(place) for place, n in threads})
     _mark(sheet, marks)
     description = f"Wire path of {len(wire.cutting)} cutting blocks, coordinates in mm"
     return sheet.print(description, told, legend)
 
 
-def _cut_numbers(blocks: NDArray[np.void]) -> Ints:
-    """Return the cut each block belongs to; counted from the moves where nobody says."""
+def _cut_numbers(program: Program, starts: Places, ends: Places) -> Ints:
+    """Return the cut each block belongs to, in the order of cutting where the program has none.
+
+    0 for a block of no cut.
+    """
+    blocks = program.blocks
     cut = blocks["cut"].astype(np.int64)
-    if len(cut) and not cut.any():
-        cut = 1 + np.cumsum(blocks["kind"] == Kind.MOVE)
+    if not cut.any():
+        steps = (np.rint(p / program.step_um).astype(np.int64) for p in (starts, ends))
+        for number_, one in enumerate(stretches(blocks, *steps), 1):
+            for rows in (one.lead_in, one.path, one.overcut, one.lead_out):
+                cut[rows] = number_
     return cut
 
 
-def _threads(
-    program: Program, starts: Places, plan: Plan | None
-) -> list[tuple[tuple[int, int], int]]:
-    """Return thread points, um, and the cut each serves."""
-    if plan is not None:
-        return [(cut.thread, cut.number) for cut in plan.cuts]
+def _threads(program: Program, starts: Places, cut: Ints) -> list[tuple[tuple[int, int], int]]:
+    """Return where each cut starts, um, and its number; in the order of cutting."""
     blocks = program.blocks
-    cut = _cut_numbers(blocks)
     cutting = np.flatnonzero((blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.ARC))
     _, first = np.unique(cut[cutting], return_index=True)
     places = [
@@ -479,8 +487,11 @@ class _Wire:
         runs = np.split(self.cutting, breaks)
         return [(COLOURS[Role(int(self.role[r[0]]))], r) for r in runs] + moves
 
-    def labels(self, sheet: Sheet, plan: Plan | None) -> None:
-        """Print block numbers beside their blocks: the first of each cut, others where room is."""
+    def labels(self, sheet: Sheet, keeps_left: Mapping[int, bool | None]) -> None:
+        """Print block numbers beside their blocks: the first of each cut, others where room is.
+
+        ``keeps_left`` tells for each cut on which side the part lies.
+        """
         if not len(self.cutting):
             return
         x, y, heading = self.segments.middles()
@@ -489,7 +500,6 @@ class _Wire:
         always = set(self.cutting[first].tolist())
         rest = np.concatenate([self.cutting, self.moves])
         rest = rest[length[rest] > SHORT_BLOCK]
-        keep_left = {} if plan is None else {c.number: c.keeps_left for c in plan.cuts}
         cut = _Segments(*(v[self.cutting] for v in self.segments))
         lines = cut.samples(1.5 / sheet.scale)
         sheet.ink(sheet.at(u, v) for u, v in zip(*(w.tolist() for w in lines), strict=True))
@@ -498,15 +508,18 @@ class _Wire:
         taken: list[tuple[int, float, float]] = []
         for i in [*sorted(always), *(j for j in order if j not in always)]:
             # On the scrap side: right of travel if the part lies to the left.
-            side = 1.0 if keep_left.get(int(self.cut[i])) is False else -1.0
+            side = 1.0 if keeps_left.get(int(self.cut[i])) is False else -1.0
             u, v = sheet.at(float(x[i]), float(y[i]))
             nx = -math.sin(float(heading[i])) * side
             ny = -math.cos(float(heading[i])) * side
             away = 8.0 + 2.6 * abs(nx) * (len(str(i + 1)) - 1)
             spots = [(u + sign * away * nx, v + sign * away * ny) for sign in (1.0, -1.0)]
             boxes = [(at, sheet.label_box(*at, str(i + 1), 9)) for at in spots]
-            for at, box in boxes:
-                if sheet.inside(box) and sheet.clear(box) and sheet.claim(box):
+            # The first block of a cut rather lies on a line than on the number of its thread point.
+            tries = [(at, box, True) for at, box in boxes]
+            tries += [(at, box, False) for at, box in boxes if i in always]
+            for at, box, clear in tries:
+                if sheet.inside(box) and (not clear or sheet.clear(box)) and sheet.claim(box):
                     taken.append((i, *at))
                     break
             else:
@@ -550,7 +563,8 @@ def plot_contours(
     """Return an SVG picture of contours as read, before anything is compiled.
 
     Closed contours are filled even-odd, so that holes show; the ends of open ones are ringed.
-    Contours are numbered from 1 in the order given.
+    Contours are numbered from 1 in the order given, as ``inspect`` lists them; thread points have
+    no number before it is known in which order they are cut.
 
     Args:
         contours: um, drawing coordinates; may be empty.
@@ -582,8 +596,12 @@ def plot_contours(
         ]
         d = "".join(f"M{number(u, 2)} {number(v, 2)}h0" for u, v in dots)
         sheet.symbol(f'<path d="{d}" stroke="{OUTLINE}" stroke-width="3" stroke-linecap="round"/>')
-    for n, point in enumerate(thread_points, 1):
-        sheet.cross(point.x / 1000, point.y / 1000, f"T{n}", f"thread point {n}")
+    for point in thread_points:
+        x, y = point.x / 1000, point.y / 1000
+        told_of = f"thread point at ({x:.3f}, {y:.3f}) mm" + (
+            f"; {point.span}" if point.span else ""
+        )
+        sheet.cross(x, y, "T", told_of)
     if thread_points:
         legend.append((_CROSS, "thread point"))
     ring = f'fill="none" stroke="{WIRE}" stroke-width="1.6"'

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 from wedmcam.cli.lengths import LENGTH, OFFSET, POINT
 
@@ -117,7 +118,10 @@ path_options = _stack(
     click.option("--stop", "stop_um", type=LENGTH, help="Pause so far before the end."),
     click.option("--overcut", "overcut_um", type=LENGTH, help="Cut so far past the start."),
     click.option("--order", type=click.Choice(["given", "inner-first", "nearest"])),
-    click.option("--reverse/--no-reverse", help="Clockwise instead of counter-clockwise."),
+    click.option(
+        "--reverse/--no-reverse",
+        help="Clockwise instead of counter-clockwise; cuts of a .wed each the other way.",
+    ),
     click.option(
         "--cuts",
         metavar="A-B",
@@ -163,6 +167,21 @@ said_options = _stack(
     click.option("-q", "--quiet", is_flag=True, help="Say only what is wrong."),
     click.option("-v", "--verbose", is_flag=True, help="Say more."),
 )
+
+
+def _names(*stacks: Callable[[Any], Any]) -> frozenset[str]:
+    """Return the names of the parameters that stacks of options make."""
+
+    def probe() -> None: ...
+
+    for stack in stacks:
+        probe = stack(probe)
+    return frozenset(str(option.name) for option in probe.__click_params__)  # type: ignore[attr-defined]
+
+
+#: Parameters that say how a drawing is read, and how it is cut.
+DRAWING_NAMES = _names(drawing_options)
+PATH_NAMES = _names(path_options)
 
 compile_options = _stack(drawing_options, path_options, machine_options)
 
@@ -215,7 +234,27 @@ def options_of(asked: dict[str, Any]) -> Options:
         from_block=asked["from_block"] or 0,
         backwards=asked["backwards"],
         d=asked.get("d", ()),
+        wishes=wishes_of(asked),
     )
+
+
+#: Fields that an option of another name fills in.
+_FILLS = {
+    "wire_um": "offset_um",
+    "gap_um": "offset_um",
+    "convex": "sharp",
+    "from_": "source",
+    "on_interference": "trim",
+}
+
+
+def wishes_of(asked: dict[str, Any]) -> frozenset[str] | None:
+    """Return the fields of `Options` that were typed, and wire_um and gap_um where these were.
+
+    None where it is not known what was typed.
+    """
+    typed: frozenset[str] | None = asked.get("wishes")
+    return None if typed is None else typed | {_FILLS.get(name, name) for name in typed}
 
 
 def feed_of(asked: dict[str, Any]) -> float | None:
@@ -344,6 +383,15 @@ def format_of(output: str, to: str | None, profile: Machine | None = None) -> st
         known = ", ".join(FORMAT_OF_SUFFIX)
         raise WrongUse(f"the name {output} does not tell the format ({known}): give --to")
     return found
+
+
+def warn_of_idle(names: Set[str], why: str) -> None:
+    """Say which of the options of some parameters were typed and have no effect."""
+    context = click.get_current_context()
+    for option in context.command.params:
+        typed = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
+        if option.name in names and typed:
+            click.echo(f"warning: {option.opts[0]} has no effect: {why}", err=True)
 
 
 def warn_of_name(output: str, format_: str) -> None:

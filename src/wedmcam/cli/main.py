@@ -299,6 +299,9 @@ def verify_command(
     check_outputs([program, *([against] if against else []), *also_read(context)], outputs)
     if plot_ is not None:
         _check_picture(plot_)
+    if against is None:
+        names = {*ask.DRAWING_NAMES, *ask.PATH_NAMES} - {"offset_um", "wire_um", "gap_um", "side"}
+        ask.warn_of_idle(names, "there is no --against DRAWING")
     data, drawing = read_program(program), None if against is None else read_input(against)
     with waiting(f"verifying {_name(program)}"):
         proof = api.verify(
@@ -473,6 +476,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
         side=side,
         offset_um=1.0 if side else None,  # a side needs one; it is not used
         strict=asked["strict"],
+        wishes=ask.wishes_of(asked),
     )
     data = read_input(input_)
     with waiting(f"inspecting {_name(input_)}"):
@@ -517,6 +521,10 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     made: Any
     is_program = Path(input_).suffix.lower() in FORMAT_OF_SUFFIX or _is_program(data)
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
+    if is_program:
+        ask.warn_of_idle({*ask.DRAWING_NAMES, *ask.PATH_NAMES}, f"{name} is a program as it stands")
+    elif contours:
+        ask.warn_of_idle(ask.PATH_NAMES, "with --contours nothing is compiled")
     if contours and not is_program:
         asked |= {"side": None, "offset_um": None, "wire_um": None, "gap_um": None}
     options = Options(d=asked["d"]) if is_program else ask.options_of(asked)

@@ -392,6 +392,8 @@ def in_force(
     if "units" in made.settings:
         # A default is weaker than what a drawing says of itself; what is typed is not.
         made.params["fill_in_units"] = True
+    if "join" in options:  # a command that reads drawings: what has no effect there is said
+        made.params["wishes"] = frozenset(str(options[key].name) for key in typed)
     return made
 
 

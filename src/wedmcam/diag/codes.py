@@ -337,9 +337,17 @@ CODES: dict[str, Code] = {
         "Add offset LENGTH to the cut, or give --offset for all cuts that say none.",
     ),
     "wed-option": Code(
-        "An option that is for drawings was given with a part program, which says it itself.",
-        "It has no effect: whoever gave it would expect another program.",
+        "An option was given with a part program that says the same itself, or is for drawings; or "
+        "two clauses of a cut exclude each other.",
+        "It has no effect: whoever gave it would expect another program. Defaults of a shop "
+        "(wedmcam.toml) are for every part and are passed over in silence.",
         "Leave it out, or change the part program.",
+    ),
+    "idle-option": Code(
+        "An option was given that has no effect on this drawing.",
+        "Whoever gave it would expect another program: a length of leads where every contour has "
+        "its thread point, a pause on an open contour, the form of corners without an offset.",
+        "Leave it out, or give what it goes with. Defaults of a shop (wedmcam.toml) are not told.",
     ),
     # --- figure transforms -----------------------------------------------------------------
     "figure-join": Code(

@@ -44,7 +44,8 @@ class Cut:
             for ``on``.
         stop_um: distance along the path before its end at which the machine pauses; 0 for none.
         overcut_um: how far a closed path is cut past its start.
-        number: 1-based, in the order in which the contours were found.
+        number: which of the plan's ``outlines`` it is of, 1-based. Never told: whatever is printed
+            counts cuts as they are cut.
     """
 
     outline: Contour | None

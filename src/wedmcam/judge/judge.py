@@ -517,15 +517,17 @@ class _Case(NamedTuple):
         c = coverage(plan, route)
         say = warning if self.trimmed else error
         whole = {c.number - 1 - plan.before for c in self.plan.cuts if c.path.closed}
+        cut_of = {c.number - 1 - plan.before: k for k, c in enumerate(self.plan.cuts, 1)}
         for outline, share, x, y, um in c.missing:
             if self.plan.partial and outline not in whole:
                 continue
             how = f"the wire stays {um / self.per:.3f} mm off it" if np.isfinite(um) else "no cut"
+            name = f"the outline of cut {cut_of[outline]}" if outline in cut_of else "an outline"
             what = "is not cut" if share == 1 else f"is not cut on {share:.0%} of its segments"
             findings.append(
                 say(
                     "missing-piece",
-                    f"outline {outline + 1} {what}, first at {mm(x, y, self.per)} mm: {how}",
+                    f"{name} {what}, first at {mm(x, y, self.per)} mm: {how}",
                     points_mm=((x / self.per, y / self.per),),
                 )
             )

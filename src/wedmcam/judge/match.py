@@ -183,8 +183,7 @@ def match(
         findings.append(
             error(
                 "missing-cut",
-                f"cut {k + 1} (contour {plan.cuts[k].number}, low corner {mm(x, y, per)} mm) is "
-                "not in the program",
+                f"cut {k + 1} (low corner {mm(x, y, per)} mm) is not in the program",
                 points_mm=((float(x) / per, float(y) / per),),
             )
         )

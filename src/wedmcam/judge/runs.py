@@ -157,8 +157,7 @@ def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
     x, y = cut.thread
     return error(
         "missing-cut",
-        f"cut {number + 1} (contour {cut.number}, threaded at {mm(x, y, per)} mm) is not in the "
-        "program",
+        f"cut {number + 1} (threaded at {mm(x, y, per)} mm) is not in the program",
         hint=SOME_CONTOURS,
         points_mm=((x / per, y / per),),
     )

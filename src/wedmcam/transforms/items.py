@@ -18,16 +18,17 @@ from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors, note, warning
 from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour
+from wedmcam.ir.figure import Reverse, Transform
 from wedmcam.ir.figure import Sequence as Stages
-from wedmcam.ir.figure import Transform
 from wedmcam.ir.part import CutItem, Part
 from wedmcam.ir.plan import Cut, Order, Plan, Side
 from wedmcam.ir.sketch import SEGMENT, Sketch, SketchInfo, ThreadPoint
 from wedmcam.options import Options
-from wedmcam.transforms import figures, planning
+from wedmcam.transforms import direction, figures, planning
 from wedmcam.transforms.compensate import compensate
 from wedmcam.transforms.corners import round_corners
-from wedmcam.transforms.leads import Lane, lead
+from wedmcam.transforms.idle import NEARER_END, Used, of_path
+from wedmcam.transforms.leads import Lane, Led, lead
 from wedmcam.transforms.meetings import contour_meetings
 from wedmcam.transforms.merge import merge_arcs
 from wedmcam.transforms.nest import Nesting, nest
@@ -39,12 +40,22 @@ EQUAL_UM = 2.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Worked:
-    """A cut whose figure has been through its transforms."""
+    """A cut whose figure has been through its transforms.
+
+    Attributes:
+        item: as written.
+        figure: its contours.
+        start: the thread point, moved by ``--transform``.
+        enter: likewise.
+        clockwise: for each contour whether the program states that it is run clockwise; it counts
+            where the side is inside or outside.
+    """
 
     item: CutItem
     figure: tuple[Contour, ...]
     start: ThreadPoint | None
     enter: ThreadPoint | None = None
+    clockwise: tuple[bool, ...] = ()
 
 
 def worked(
@@ -76,7 +87,9 @@ def worked(
                 continue
             figure, spots = moved
         start = None if item.start is None else spots[0]
-        out.append(Worked(item, figure, start, None if item.enter is None else spots[-1]))
+        enter = None if item.enter is None else spots[-1]
+        stages = [*(stage for stage, _ in item.shape.stages), *more]
+        out.append(Worked(item, figure, start, enter, direction.clockwise(figure, stages)))
     return (None if has_errors(found) else tuple(out)), found
 
 
@@ -101,12 +114,14 @@ class _Piece:
         contour: as it is run.
         outside: the wire runs outside of it; None for an open contour or ``on``.
         shift: how far the wire runs to the left, um (negative: right).
+        reverse: the wire runs the contour the other way, on the same path.
     """
 
     cut: int
     contour: Contour
     outside: bool | None
     shift: float
+    reverse: bool
 
 
 def plan(
@@ -115,8 +130,9 @@ def plan(
     """Return where the wire goes, cut by cut in the order of the program."""
     found: list[Diagnostic] = []
     pieces: list[_Piece] = []
+    used = Used()
     for k, w in enumerate(cuts):
-        some, problems = _pieces(k, w, options, ar)
+        some, problems = _pieces(k, w, options, ar, used)
         pieces += some
         found += problems
     if has_errors(found):
@@ -136,13 +152,14 @@ def plan(
         found += problems
         if lanes is None or has_errors(problems):
             continue
-        led, problems = _led(scene, lanes, nesting, cuts, options, base)
+        led, problems = _led(scene, lanes, nesting, cuts, options, base, used)
         found += problems
         made += led
         parts += _kept(scene, nesting, [c for _, c in led], base)
         base += len(scene)
     if has_errors(found):
         return None, found
+    found += of_path(used.names, options, part=True)
     made.sort(key=lambda m: m[0])
     every = tuple(c for _, c in made)
     if not every:
@@ -161,7 +178,7 @@ def plan(
 
 
 def _pieces(
-    number: int, w: Worked, options: Options, ar: Arithmetic
+    number: int, w: Worked, options: Options, ar: Arithmetic, used: Used
 ) -> tuple[list[_Piece], list[Diagnostic]]:
     """Return the contours of a cut with the side on which the wire runs."""
     item, found = w.item, []
@@ -178,6 +195,10 @@ def _pieces(
         )
         return [], found
     offset = 0.0 if side == "on" else float(offset or 0.0)
+    used.add("offset_um", side != "on" and item.offset is None)
+    used.add("corner_um", item.corner is None)
+    for name in ("sharp", "trim"):
+        used.add(name, offset > 0)
     corner = item.corner if item.corner is not None else options.corner_um
     if 0 < corner < offset:
         found.append(
@@ -213,9 +234,12 @@ def _pieces(
         return [], found
     depths = nest(figure).depths
     pieces = []
-    for c, depth in zip(figure, depths, strict=True):
+    for k, (c, depth) in enumerate(zip(figure, depths, strict=True)):
+        # The drawn sense is run where the side follows it; else what is stated counts.
+        stated = side in ("inside", "outside") and w.clockwise[k]
+        reverse = stated != options.reverse
         if side == "on":
-            pieces.append(_Piece(number, c, None, 0.0))
+            pieces.append(_Piece(number, c, None, 0.0, reverse))
             continue
         if side in ("inside", "outside"):
             outside = (side == "outside") == (depth % 2 == 0)
@@ -224,7 +248,7 @@ def _pieces(
             shift = offset if side == "left" else -offset
             ccw = c.closed and measure.area(c.vertices) > 0
             outside = (shift < 0) == ccw
-        pieces.append(_Piece(number, c, outside if c.closed else None, shift))
+        pieces.append(_Piece(number, c, outside if c.closed else None, shift, reverse))
     return pieces, found
 
 
@@ -307,8 +331,11 @@ def _lanes(
     enters = [cuts[p.cut].enter for p in scene]
     if not any(p.shift for p in scene):
         return [
-            Lane(c, c, None, 0.0, k, nesting.parents[k], lengths[k], enters[k])
-            for k, c in enumerate(contours)
+            _run(
+                Lane(p.contour, p.contour, None, 0.0, k, nesting.parents[k], lengths[k], enters[k]),
+                p,
+            )
+            for k, p in enumerate(scene)
         ], []
     shifts = [p.shift for p in scene]
     result, found = compensate(contours, shifts, arithmetic=ar, sharp=options.sharp)
@@ -336,15 +363,20 @@ def _lanes(
         lane = Lane(
             p.path, contours[k], left, abs(shifts[k]), k, nesting.parents[k], lengths[k], enters[k]
         )
-        if options.reverse and cuts[scene[k].cut].item.side in ("inside", "outside"):
-            lane = replace(
-                lane,
-                path=p.path.reversed(),
-                outline=contours[k].reversed(),
-                scrap_left=None if left is None else not left,
-            )
-        lanes.append(lane)
+        lanes.append(_run(lane, scene[k]))
     return lanes, found
+
+
+def _run(lane: Lane, piece: _Piece) -> Lane:
+    """Return the lane in the direction in which the wire runs it."""
+    if not piece.reverse:
+        return lane
+    return replace(
+        lane,
+        path=lane.path.reversed(),
+        outline=lane.outline.reversed(),
+        scrap_left=None if lane.scrap_left is None else not lane.scrap_left,
+    )
 
 
 def _led(
@@ -354,6 +386,7 @@ def _led(
     cuts: Sequence[Worked],
     options: Options,
     base: int,
+    used: Used,
 ) -> tuple[list[tuple[int, Cut]], list[Diagnostic]]:
     """Return the cuts of a scene with the numbers of their items, inner contours first."""
     threads, only = [], []
@@ -378,6 +411,10 @@ def _led(
         found += _too_long(one.path, stop if closed else 0.0, "stop", item.span)
         over = item.overcut if item.overcut is not None else options.overcut_um
         found += _too_long(one.path, over if closed else 0.0, "overcut", item.span)
+        used.add("stop_um", closed and item.stop is None)
+        used.add("overcut_um", closed and item.overcut is None)
+        used.add("lead_um", one.measured and item.lead is None)
+        found += _idle_clauses(scene[lane.contour], lane, one, cuts, options)
         cut = Cut(
             lane.outline,
             one.path,
@@ -390,6 +427,29 @@ def _led(
         )
         out.append((scene[lane.contour].cut, cut))
     return out, found
+
+
+def _idle_clauses(
+    piece: _Piece, lane: Lane, led: Led, cuts: Sequence[Worked], options: Options
+) -> list[Diagnostic]:
+    """Return warnings on what a cut, or --reverse, says and a lead overrules."""
+    w = cuts[piece.cut]
+    found = []
+    if w.item.lead is not None and not led.measured:
+        found.append(
+            warning(
+                "wed-option",
+                "'lead' has no effect: the cut is entered from "
+                + ("its start" if w.start is not None else "the centre of the circle"),
+                w.item.span,
+            )
+        )
+    words = ["--reverse"] if options.reverse and options.wished("reverse") else []
+    words += ["'reverse'"] if any(isinstance(t, Reverse) for t, _ in w.item.shape.stages) else []
+    if words and planning.overruled(lane, led):
+        text = f"{words[0]} has no effect: {NEARER_END}"
+        found.append(warning("wed-option", text, w.item.span))
+    return found
 
 
 def _too_long(path: Contour, length: float, name: str, span: TextSpan) -> list[Diagnostic]:
@@ -420,28 +480,6 @@ def _kept(scene: Sequence[_Piece], nesting: Nesting, made: Sequence[Cut], base: 
         reached = tuple(sorted(n - base - 1 for n in mine))
         out.append(Plan(own, outlines, nesting.depths, side, offset, False, (), reached, base))
     return out
-
-
-def idle_options(part: Part, options: Options) -> list[Diagnostic]:
-    """Return findings on options that are for drawings: a part program says these things itself."""
-    usual = Options()
-    found = []
-    for name, word, instead in (
-        ("layers", "--layer", "a part program has no layers"),
-        ("ignore_layers", "--ignore-layer", "a part program has no layers"),
-        ("ignore_types", "--ignore-type", "a part program has no entities"),
-        ("join_um", "--join", "chains whose ends meet within 1 um join"),
-        ("tolerance_um", "--tolerance", "a part program has no splines"),
-        ("side", "--side", "each cut names its side"),
-        ("starts_um", "--start", "each cut names its start"),
-        ("order", "--order", "cuts are made in the order in which they are written"),
-    ):
-        if getattr(options, name) != getattr(usual, name):
-            found.append(warning("wed-option", f"{word} has no effect: {instead}"))
-    if options.units not in (None, part.units):
-        text = f"--units {options.units} has no effect: the part program is in {part.units}"
-        found.append(warning("wed-option", text, hint="units stand in its first line"))
-    return found
 
 
 def sketch_of(part: Part, cuts: Sequence[Worked]) -> tuple[Sketch, tuple[Contour, ...]]:

@@ -65,10 +65,14 @@ class Lane:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Led:
-    """A path that starts where its lead arrives, and the whole-um thread point."""
+    """A path that starts where its lead arrives, and the whole-um thread point.
+
+    ``measured``: a length was asked of the lead; else a thread point or a centre says where it is.
+    """
 
     path: Contour
     thread: tuple[int, int]
+    measured: bool = False
 
 
 def lead(
@@ -348,7 +352,7 @@ def _chosen(
     lengths, clear = _cleared(scene, rays, np.minimum(own, 0.5 * _free(scene, rays, 2.0 * own)))
     for ray, length in zip(rays, lengths.tolist(), strict=True):
         x, y = to_grid([ray.x + ray.nx * length, ray.y + ray.ny * length]).tolist()
-        result[ray.number] = Led(ray.path, (x, y))
+        result[ray.number] = Led(ray.path, (x, y), True)
     return result, [ray.number for ray, ok in zip(rays, clear.tolist(), strict=True) if not ok]
 
 
@@ -432,7 +436,7 @@ def _before_open(path: Contour, lead_um: float) -> Led:
     one = seg.of_rows(path.starts[:1], path.ends[:1])
     tx, ty = (float(c[0]) for c in seg.start_tangents(one))
     x, y = to_grid([v["x"][0] - tx * lead_um, v["y"][0] - ty * lead_um]).tolist()
-    return Led(path, (x, y))
+    return Led(path, (x, y), True)
 
 
 #: Where a ray starts, and its direction.

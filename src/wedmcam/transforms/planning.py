@@ -20,7 +20,8 @@ from wedmcam.ir.plan import Cut, Order, Side
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.compensate import Interference, compensate, largest_offset
-from wedmcam.transforms.leads import Lane, lead
+from wedmcam.transforms.idle import NEARER_END, Used, of_path
+from wedmcam.transforms.leads import Lane, Led, lead
 from wedmcam.transforms.order import order
 
 if TYPE_CHECKING:
@@ -221,7 +222,40 @@ def cuts(
             )
         )
     found += _too_long(result, options)
+    if not has_errors(found):
+        found += _idle(made, led, options)
     return result, found
+
+
+def overruled(lane: Lane, led: Led) -> bool:
+    """Return whether a thread point lets an open path be run the other way than it was to be."""
+    if led.path.closed:
+        return False
+    a, b = lane.path.vertices, led.path.vertices
+    return bool(a["x"][0] != b["x"][0] or a["y"][0] != b["y"][0])
+
+
+def _idle(made: Lanes, led: Sequence[Led], options: Options) -> list[Diagnostic]:
+    """Return warnings on options that had no effect on a drawing."""
+    used = Used()
+    for lane, one in zip(made.lanes, led, strict=True):
+        used.add("lead_um", one.measured)
+        for name in ("stop_um", "overcut_um"):
+            used.add(name, one.path.closed)
+        for name in ("sharp", "trim"):
+            used.add(name, lane.offset_um > 0)
+    found = of_path(used.names, options, part=False)
+    turned = [lane for lane, one in zip(made.lanes, led, strict=True) if overruled(lane, one)]
+    if turned and options.reverse and options.wished("reverse"):
+        found.append(
+            warning(
+                "idle-option",
+                f"--reverse has no effect: {NEARER_END}",
+                turned[0].path.source_of(0),
+                count=len(turned),
+            )
+        )
+    return found
 
 
 def parents_of(contour: Sequence[int], parents: Sequence[int]) -> list[int]:

@@ -1,0 +1,93 @@
+"""Options that were asked for and have no effect on what is cut: that is said.
+
+Whoever gave them expects another program. Defaults of a shop are for every part: no wish of this
+one, and passed over.
+
+Stages note in a set which fields of the options they took up (`Used`); what was wished for and is
+not in it had no effect. Options whose effect hangs on what is drawn (a tolerance without splines)
+are no matter of this: they are limits, and hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import dataclass, field
+
+from wedmcam.diag import Diagnostic, warning
+from wedmcam.ir.part import Part
+from wedmcam.options import Options
+
+#: Options of drawings, and what a part program has in their place.
+_OF_DRAWINGS = (
+    ("layers", "--layer", "a part program has no layers"),
+    ("ignore_layers", "--ignore-layer", "a part program has no layers"),
+    ("ignore_types", "--ignore-type", "a part program has no entities"),
+    ("join_um", "--join", "chains whose ends meet within 1 um join"),
+    ("tolerance_um", "--tolerance", "a part program has no splines"),
+    ("side", "--side", "each cut names its side"),
+    ("starts_um", "--start", "each cut names its start"),
+    ("order", "--order", "cuts are made in the order in which they are written"),
+)
+#: Options of the wire path: why they have no effect on a drawing, and on a part program.
+_ON_LINE = "the wire runs on the line, without an offset"
+_ENTERED = "every contour is entered from a thread point or from the centre of its circle"
+_OPEN = "it is for closed contours, and all are open"
+_OF_PATH = (
+    ("offset_um", "--offset", "", "each cut names its offset, or runs on its line"),
+    ("corner_um", "--corner", "", "each cut names its corner"),
+    ("sharp", "--convex", _ON_LINE, _ON_LINE),
+    ("trim", "--on-interference", _ON_LINE, _ON_LINE),
+    ("lead_um", "--lead", _ENTERED, "each cut names its lead, or is entered from its start or the "
+     "centre of its circle"),
+    ("stop_um", "--stop", _OPEN, "each cut names its stop, or is open"),
+    ("overcut_um", "--overcut", _OPEN, "each cut names its overcut, or is open"),
+)  # fmt: skip
+#: Why a direction that was stated is not that of the wire.
+NEARER_END = "an open contour is run from the end that is nearer to its thread point"
+
+
+@dataclass(slots=True)
+class Used:
+    """Names of the fields of the options that had an effect; stages add to it."""
+
+    names: set[str] = field(default_factory=set)
+
+    def add(self, name: str, when: bool = True) -> None:
+        """Note that a field had an effect, if it had."""
+        if when:
+            self.names.add(name)
+
+
+def of_source(part: Part, options: Options) -> list[Diagnostic]:
+    """Return warnings on options that are for drawings: a part program says these itself."""
+    found = []
+    for name, word, instead in _OF_DRAWINGS:
+        if options.wished(name):
+            found.append(warning("wed-option", f"{word} has no effect: {instead}"))
+    if options.wished("units") and options.units not in (None, part.units):
+        text = f"--units {options.units} has no effect: the part program is in {part.units}"
+        found.append(warning("wed-option", text, hint="units stand in its first line"))
+    return found
+
+
+def of_path(used: Set[str], options: Options, *, part: bool) -> list[Diagnostic]:
+    """Return warnings on options of the wire path that were wished for and not used.
+
+    Args:
+        used: names of the fields that had an effect.
+        options: as asked for.
+        part: the source is a part program.
+    """
+    found = []
+    for name, word, of_drawing, of_part in _OF_PATH:
+        why = of_part if part else of_drawing
+        # 0 asks for nothing, unless a cut says something else.
+        empty = not getattr(options, name) and not (part and of_part != _ON_LINE)
+        if why and not empty and name not in used and options.wished(name):
+            code = "wed-option" if part else "idle-option"
+            given = [w for w in ("wire", "gap") if f"{w}_um" in (options.wishes or ())]
+            if name == "offset_um" and given:
+                word = " and ".join(f"--{w}" for w in given)
+            has = "have" if " and " in word else "has"
+            found.append(warning(code, f"{word} {has} no effect: {why}"))
+    return found

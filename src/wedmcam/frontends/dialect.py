@@ -179,11 +179,15 @@ def of_centres(line: int, count: int, w: Words, text: Plain) -> list[Question]:
     ]
 
 
-#: Words, and nothing else: a letter and a number, any number of times, blanks taken out.
+#: Words without a blank: a letter and a number, any number of times.
 _WORDS = re.compile(rb"/?(?:[A-Z][-+]?(?:\d+\.?\d*|\.\d+))+")
+_BRACKETS = re.compile(rb"\([^)]*\)?")
 _GAP = re.compile(rb"(?<=[A-Z]) +(?=[-+.\d])")
+#: What stands in no word.
+_OTHER = re.compile(rb"[^A-Z0-9.+/-]+")
 #: Letters of which a word changes the path.
 _PATH = re.compile(rb"[GXYIJR]")
+_NAME = re.compile(rb"[A-Z]{2}")
 
 
 def reads_as_words(comment: bytes) -> bool:
@@ -194,12 +198,12 @@ def reads_as_words(comment: bytes) -> bool:
     >>> [reads_as_words(t) for t in (b"; G01 X5.0", b";M02", b"; BY HAND", b"; BACK TO X 5", b";")]
     [True, True, False, True, False]
     """
-    for part in comment.split(b";"):
-        chunks = _GAP.sub(b"", part).split()
-        if not chunks:
-            continue
-        words = [c for c in chunks if _WORDS.fullmatch(c)]
-        if len(words) == len(chunks) or any(_PATH.search(c) for c in words):
+    for part in _BRACKETS.sub(b" ", comment).split(b";"):
+        chunks = _OTHER.sub(b" ", _GAP.sub(b"", part)).split()
+        words = [(m[0], c[m.end() :]) for c in chunks if (m := _WORDS.match(c))]
+        if chunks and len(words) == len(chunks) and not any(rest for _, rest in words):
+            return True
+        if any(_PATH.search(word) and not _NAME.match(rest) for word, rest in words):
             return True
     return False
 

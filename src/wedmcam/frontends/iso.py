@@ -36,7 +36,8 @@ Floats = NDArray[np.float64]
 
 #: Coordinates beyond this are an error, nm: a kilometre.
 _MOST_NM = 10**12
-_MODES = {90: "distance", 91: "distance", 20: "inch", 21: "inch", 70: "inch", 71: "inch"}
+#: Codes of findings on a path: another unit or rule has others.
+_DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 
 
 class _Reader:
@@ -94,9 +95,13 @@ class _Reader:
 
     def findings(self) -> list[Diagnostic]:
         """Return what was found: what had to be assumed or asked first, then all by its place."""
-        asked = sorted(self.questions, key=lambda q: q.at)
+        questions = sorted(self.questions, key=lambda q: q.at)
         shown = self.dialect.shown
-        return [*(q.finding(self.spans, shown) for q in asked), *in_order(self.found)]
+        asked = [q.finding(self.spans, shown) for q in questions]
+        found = in_order(self.found)
+        if asked and not shown:  # what depends on the answers is said with them
+            found = [d for d in found if d.code not in _DEPEND]
+        return [*asked, *found]
 
 
 def _filled(values: Ints, has: Bools, start: int) -> Ints:

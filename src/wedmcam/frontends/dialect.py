@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
-from wedmcam.formats import iso
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.words import Words
 from wedmcam.machines import Layout
@@ -240,13 +239,8 @@ def of_semicolons(w: Words, text: Plain, layout: Layout | None) -> list[Question
     ]
 
 
-def of_subprograms(w: Words, run: Bools, text: Plain) -> list[Question]:
-    """Return the finding of words that call a sub-program; ``run``: words that the machine runs."""
-    call = (w.letter == ord("M")) & np.isin(w.whole, iso.SUBPROGRAMS) & ~w.pointed
-    call |= (w.letter == ord("L")) | (w.letter == ord("P"))
-    words = np.flatnonzero(call & w.good & run)
-    if not len(words):
-        return []
+def of_subprograms(words: Ints, w: Words, text: Plain) -> list[Question]:
+    """Return the finding of the words that call a subprogram."""
     return _of_words(
         "subprogram",
         words,

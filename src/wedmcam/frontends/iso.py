@@ -197,7 +197,7 @@ def read(
     other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8))
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
     r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
-    calls = np.isin(w.letter, np.frombuffer(b"LP", np.uint8))
+    calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
     r.tell_words(
         warn,
         "iso-ignored",
@@ -209,7 +209,8 @@ def read(
     motion = _filled(*modal["motion"], -1)
     inches = _filled(*modal["inch"], UNSAID)
     reset = modal["g92"][1]
-    return _program(r, axes, distance, motion, inches, reset, m, modes)
+    calls |= m & np.isin(code, iso.SUBPROGRAMS)
+    return _program(r, axes, distance, motion, inches, reset, m, np.flatnonzero(calls), modes)
 
 
 def _modes(
@@ -304,11 +305,15 @@ def _column(r: _Reader, letter: str) -> tuple[Ints, Bools, Bools, Ints]:
 
 
 def _lengths(
-    r: _Reader, axes: dict[str, tuple[Ints, Bools, Bools, Ints]], inches: Ints, used: Bools
+    r: _Reader,
+    axes: dict[str, tuple[Ints, Bools, Bools, Ints]],
+    inches: Ints,
+    used: tuple[Bools, Bools],
+    stop_line: int,
 ) -> dict[str, Ints]:
     """Return the lengths of each letter in nm; 0 where there are none.
 
-    ``used``: words of lengths that the path depends on.
+    ``used``: lines of which X and Y, and of which I, J and R lead somewhere.
     """
     said, how = r.dialect, r.machine.iso
     um = how.integers == "um"
@@ -341,7 +346,8 @@ def _lengths(
         out[name] = np.where(large | ~has, 0, nm)
         bare |= has & ~pointed & (value != 0)
         some_pointed |= bool(np.any(has & pointed))
-    _ask_units(r, inches, in_inch, used)
+    if not said.named or said.units_nm is not None:
+        _ask_units(r, inches, in_inch, used, stop_line)
     if not said.named or said.whole_nm is not None:
         return out
     mixed = np.flatnonzero(bare & in_inch)
@@ -363,10 +369,14 @@ def _lengths(
     return out
 
 
-def _ask_units(r: _Reader, inches: Ints, in_inch: Bools, used: Bools) -> None:
+def _ask_units(
+    r: _Reader, inches: Ints, in_inch: Bools, used: tuple[Bools, Bools], stop_line: int
+) -> None:
     """Ask for units that nothing says, and warn of an answer that the file gives otherwise."""
     w, said = r.words, r.dialect
-    lengths = used & (w.whole != 0)
+    lengths = w.good & (w.whole != 0) & (w.line <= stop_line)
+    letters = [np.isin(w.letter, np.frombuffer(k, np.uint8)) for k in (b"XY", b"IJR")]
+    lengths &= (letters[0] & used[0][w.line]) | (letters[1] & used[1][w.line])
     if said.is_open(said.whole_nm):
         whole = np.flatnonzero(lengths & ~w.pointed)
         r.questions += dialects.of_whole(
@@ -403,6 +413,7 @@ def _program(
     inches: Ints,
     reset: Bools,
     m: Bools,
+    calls: Ints,
     modes: Modes | None,
 ) -> tuple[Programmed, list[Diagnostic]]:
     w = r.words
@@ -415,11 +426,9 @@ def _program(
     codes, m_lines = w.whole[m_rows], w.line[m_rows]
     stop = m_rows[np.isin(codes, iso.ENDS)][:1]
     stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
-    run = w.line <= stop_line
-    r.questions += dialects.of_subprograms(w, run, r.plain)
-    places, centres = (np.isin(w.letter, np.frombuffer(k, np.uint8)) for k in (b"XY", b"IJR"))
-    used = (places & (moves | reset)[w.line]) | (centres & curved[w.line])
-    nm = _lengths(r, axes, inches, used & w.good & run)
+    calls = calls[w.line[calls] <= stop_line]
+    r.questions += dialects.of_subprograms(calls, w, r.plain)
+    nm = _lengths(r, axes, inches, (moves | reset, curved), stop_line)
     distance = _distance(r, distance, moves & (has["X"] | has["Y"]), stop_line)
     r.tell_lines(
         Severity.ERROR,
@@ -586,24 +595,26 @@ def _blocks(
         lambda i: "the centre is the start: the arc has no radius",
     )
     off = np.abs(reach - radius)
-    ends = [(starts_nm[k][arcs] / 1000.0, ends_nm[k][arcs] / 1000.0) for k in "XY"]
-    other = _fits(ends, [c - d / 1000.0 for c, d in zip(exact, shifts, strict=True)])
-    shifted = (np.hypot(*shifts) > 1000) & ~by_radius & ~neither
-    if r.dialect.is_open(r.dialect.centres):
-        both_fit = shifted & other & _fits(ends, exact) & ~r.bad[arcs]
-        proven = shifted & (other ^ _fits(ends, exact))
-        if both_fit.any() and not proven.any():
+    far = off > iso.END_UM
+    other = np.zeros(len(arcs), bool)
+    if r.dialect.is_open(r.dialect.centres) or far.any():
+        ends = [(starts_nm[k][arcs] / 1000.0, ends_nm[k][arcs] / 1000.0) for k in "XY"]
+        shifted = (np.hypot(*shifts) > 1000) & ~by_radius & ~neither
+        this = shifted & _fits(ends, exact)
+        other = shifted & _fits(ends, [c - d / 1000.0 for c, d in zip(exact, shifts, strict=True)])
+        both_fit = this & other & ~r.bad[arcs]
+        if r.dialect.is_open(r.dialect.centres) and both_fit.any() and not (this ^ other).any():
             first = int(arcs[np.argmax(both_fit)])
             r.questions += dialects.of_centres(first, int(both_fit.sum()), r.words, r.plain)
     rule = "start" if by_place else "absolute"
     tell(
-        off > iso.END_UM,
+        far,
         lambda i: (
             f"the end lies {off[i]:.1f} um from the circle: the start is {radius[i] / 1000:.3f} mm "
             f"from the centre, the end {reach[i] / 1000:.3f} mm"
         ),
         f"I and J fit as --centres-in {rule} reads them"
-        if (shifted & other & (off > iso.END_UM)).any()
+        if (far & other).any()
         else "check I and J: from the start to the centre, signed",
     )
     motions = np.zeros(0, PROGRAMMED)

@@ -1,7 +1,8 @@
 """One source, programs in several formats: each proven, and all of them the same path.
 
-Each format is compiled as if it were alone, but with limits that all of them share, so that arcs
-and long lines are parted at the same places. What was decoded from each is then stepped beside the
+One plan serves all, with starts where every controller can start. Each format is compiled as if it
+were alone, but with limits that all of them share, so that arcs and long lines are parted at the
+same places. What was decoded from each is then stepped beside the
 first: either all of them are good or none is.
 """
 
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from wedmcam.conversion import WITHIN_UM
 from wedmcam.diag import Diagnostic, error
+from wedmcam.diag.run import Run
 from wedmcam.machines import Machine
 from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
 
@@ -80,17 +82,12 @@ def compile_several(
 
     made: list[Compilation] = []
     names = list(output_names) or [""] * len(machines)
-    # Where a controller offsets outlines by itself it is particular about where they start.
-    starts = next((m for m in machines if m.offsets), None)
+    options = options or Options()
+    data, name = api.bytes_of(source, name)
+    run = Run(options.strict)
+    refused = api.planned_for(data, name, options, machines, run)
     for machine, output in zip(shared(machines), names, strict=True):
-        one = api.compile(
-            source,
-            profile=machine,
-            name=name,
-            output_name=output,
-            options=options or Options(),
-            starts_of=starts,
-        )
+        one = api.compile_plan(data, name, machine, options, run.forked(), output, refused)
         made.append(one)
         if not one.ok:
             return Several(tuple(made), (), ())

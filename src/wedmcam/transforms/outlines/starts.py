@@ -50,6 +50,18 @@ def offset_of(plan: Plan, cut: Cut) -> float:
     return near if abs(near - away) <= 2 * BESIDE_UM else round(away, 1)
 
 
+def offsets_of(plan: Plan) -> list[float]:
+    """Return the offset of each cut, um: cuts of a part program have their own."""
+    if not plan.parts:
+        return [plan.offset_um] * len(plan.cuts)
+    return [offset_of(plan, cut) for cut in plan.cuts]
+
+
+def offsets_text(plan: Plan) -> str:
+    """Return the offsets of all cuts for people: one, or each that occurs."""
+    return ", ".join(f"{um / 1000:.3f}" for um in sorted(set(offsets_of(plan)))) + " mm"
+
+
 def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
     """Return the plan with every closed path starting beside a segment, not round a corner.
 

@@ -18,6 +18,7 @@ from wedmcam.diag import Diagnostic, error
 from wedmcam.diag.run import Run
 from wedmcam.machines import Machine
 from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
+from wedmcam.targets import target_of
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation, Source
@@ -111,7 +112,7 @@ def _compared(made: list[Compilation]) -> Several:
     for other in made:
         assert other.program is not None
         steppings = first.machine.stepping, other.machine.stepping
-        within = WITHIN_UM * max(1.0, first.program.step_um)
+        within = _within(first, other)
         found = difference(first.program, other.program, *steppings, within)
         apart.append(found.largest_um)
         if not found.equal:
@@ -126,6 +127,21 @@ def _compared(made: list[Compilation]) -> Several:
                 )
             )
     return Several(tuple(made), tuple(apart), tuple(wrong))
+
+
+def _within(one: Compilation, other: Compilation) -> float:
+    """Return how far two programs of one plan may be apart, um.
+
+    Formats that state the path are one to a step. A controller that makes the path itself (G41, 4B)
+    is held to the plan: two such paths are apart by what each was found to be off at most.
+    """
+    assert one.verdict is not None
+    assert other.verdict is not None
+    assert one.program is not None
+    stated = WITHIN_UM * max(1.0, one.program.step_um)
+    if not any(target_of(c.machine).makes_path for c in (one, other)):
+        return stated
+    return max(stated, one.verdict.max_deviation_um + other.verdict.max_deviation_um)
 
 
 def formats_of(to: str) -> list[str]:

@@ -40,6 +40,11 @@ class Target(Protocol):
         ...
 
     @property
+    def makes_path(self) -> bool:
+        """Whether the controller makes the path itself, of an outline that a program states."""
+        ...
+
+    @property
     def takes_gap(self) -> bool:
         """Whether a program is an outline for which the operator enters one gap and its side."""
         ...

@@ -76,6 +76,7 @@ def _in_steps(table: Table, step_um: float) -> Table:
 class Offsetting(Iso):
     """A controller that offsets outlines by itself: G41, G42 and D numbers."""
 
+    makes_path = True
     needs_lead = "G41 and G42 are taken up on a lead, and there is none in the kerf"
 
     @property

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 class Scaled(Stated):
     """What both share; ``instead``: the format that states the path to the same controller."""
 
+    makes_path = True
     takes_gap = True
     instead: ClassVar[str] = "3b"
 

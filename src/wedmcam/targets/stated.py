@@ -42,6 +42,7 @@ class Stated:
     machine: Machine
 
     is_text: ClassVar[bool] = True
+    makes_path: ClassVar[bool] = False
     takes_gap: ClassVar[bool] = False
     needs_lead: ClassVar[str] = ""
     square: ClassVar[bool] = False

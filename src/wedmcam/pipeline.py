@@ -22,8 +22,8 @@ from wedmcam.options import Options, WrongUse
 if TYPE_CHECKING:
     from wedmcam.judge.verdict import Verdict
     from wedmcam.transforms.chain import ChainReport
-    from wedmcam.transforms.items import Worked
     from wedmcam.transforms.nest import Nesting
+    from wedmcam.transforms.plan.shaped import ShapedCut
 
 T = TypeVar("T")
 
@@ -80,7 +80,7 @@ class Drawn:
     contours: tuple[Contour, ...]
     report: ChainReport
     nesting: Nesting
-    items: tuple[Worked, ...] | None = None
+    items: tuple[ShapedCut, ...] | None = None
     held: tuple[Diagnostic, ...] = ()
 
 
@@ -128,9 +128,10 @@ def source_format(data: bytes, file: str, options: Options) -> str:
 def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     """Return the figures that a part program cuts, each with what is asked of it."""
     from wedmcam.frontends.wed import read as read_wed
-    from wedmcam.transforms import idle, items
     from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.figures.part import shape_cuts, sketch_of
     from wedmcam.transforms.nest import nest
+    from wedmcam.transforms.plan import idle
 
     part = run(
         "read",
@@ -138,11 +139,11 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     )
     run.add("read", idle.of_source(part, options))
     more = _transforms(options, run)
-    worked = run("transform", items.worked(part, more, arithmetic(options)))
-    sketch, contours = items.sketch_of(part, worked)
+    shaped = run("transform", shape_cuts(part, more, arithmetic(options)))
+    sketch, contours = sketch_of(part, shaped)
     closed = sum(c.closed for c in contours)
     report = ChainReport(closed, len(contours) - closed)
-    return Drawn(sketch, contours, report, nest(contours), worked)
+    return Drawn(sketch, contours, report, nest(contours), shaped)
 
 
 def _transforms(options: Options, run: Run) -> list[Any]:
@@ -216,7 +217,7 @@ def part_of(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
         WrongUse: there is no such cut or block, or nothing is left to cut behind it.
     """
     from wedmcam import offsets
-    from wedmcam.transforms.rest import some
+    from wedmcam.transforms.plan.portion import only_cuts
 
     made = run("leads", offsets.started(made, machine))
     if options.cuts is not None:
@@ -225,7 +226,7 @@ def part_of(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
                 f"the program has {len(made.cuts)} contours, there is no --cuts "
                 f"{options.cuts[0]}-{options.cuts[1]}"
             )
-        made = some(made, *options.cuts)
+        made = only_cuts(made, *options.cuts)
     return _rest(made, machine, options, run) if options.from_block else made
 
 
@@ -236,7 +237,7 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     from wedmcam import offsets
     from wedmcam.ir.program import Kind, Role
     from wedmcam.source_map import block_ends, matched
-    from wedmcam.transforms.rest import rest
+    from wedmcam.transforms.plan.portion import remaining
 
     trial = Run()  # what is to be said of the whole program is not said of its rest
     try:
@@ -283,7 +284,7 @@ def _rest(made: Plan, machine: Machine, options: Options, run: Run) -> Plan:
     arc = lowered.blocks["kind"] == Kind.ARC
     share[arc] = motion.steps[arc] * (np.pi / 4) * lowered.step_um  # a turn takes 8 R steps
     along = float(share[before].sum())
-    found = rest(made, cut - 1, at, along, options.backwards, lowered.step_um)
+    found = remaining(made, cut - 1, at, along, options.backwards, lowered.step_um)
     if found is None:
         raise WrongUse(f"block {n} of the program lies on no contour")
     return found

@@ -15,94 +15,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wedmcam.arithmetic import Arithmetic
-from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors, note, warning
+from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, note, warning
 from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour
-from wedmcam.ir.figure import Reverse, Transform
-from wedmcam.ir.figure import Sequence as Stages
-from wedmcam.ir.part import CutItem, Part
+from wedmcam.ir.figure import Reverse
 from wedmcam.ir.plan import Cut, Order, Plan, Side
-from wedmcam.ir.sketch import SEGMENT, Sketch, SketchInfo, ThreadPoint
 from wedmcam.options import Options
-from wedmcam.transforms import direction, figures, planning
+from wedmcam.transforms import figures, planning
 from wedmcam.transforms.compensate import compensate
 from wedmcam.transforms.corners import round_corners
-from wedmcam.transforms.idle import NEARER_END, Used, of_path
-from wedmcam.transforms.leads import Lane, Led, lead
 from wedmcam.transforms.meetings import contour_meetings
 from wedmcam.transforms.merge import merge_arcs
 from wedmcam.transforms.nest import Nesting, nest
-from wedmcam.transforms.order import order
+from wedmcam.transforms.plan.idle import NEARER_END, Used, of_path
+from wedmcam.transforms.plan.leads import PlannedPath, Threaded, lead
+from wedmcam.transforms.plan.order import order
+from wedmcam.transforms.plan.shaped import ShapedCut
 
 #: Boxes that are as equal as this are the boxes of one outline, um.
 EQUAL_UM = 2.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Worked:
-    """A cut whose figure has been through its transforms.
-
-    Attributes:
-        item: as written.
-        figure: its contours.
-        start: the thread point, moved by ``--transform``.
-        enter: likewise.
-        clockwise: for each contour whether the program states that it is run clockwise; it counts
-            where the side is inside or outside.
-    """
-
-    item: CutItem
-    figure: tuple[Contour, ...]
-    start: ThreadPoint | None
-    enter: ThreadPoint | None = None
-    clockwise: tuple[bool, ...] = ()
-
-
-def worked(
-    part: Part, more: Sequence[Transform], ar: Arithmetic
-) -> tuple[tuple[Worked, ...] | None, list[Diagnostic]]:
-    """Return the cuts with their figures made.
-
-    Args:
-        part: as written.
-        more: transforms of ``--transform``, after those of the program; thread points follow them.
-        ar: the arithmetic of the formulas.
-    """
-    out: list[Worked] = []
-    found: list[Diagnostic] = []
-    made: dict[int, tuple[Contour, ...] | None] = {}
-    for item in part.cuts:
-        key = id(item.shape)
-        if key not in made:
-            made[key], problems = _figure(item, ar)
-            found += problems
-        figure = made[key]
-        if figure is None:
-            continue
-        spots = tuple(ThreadPoint(*p) for p in (item.start, item.enter) if p is not None)
-        if more:
-            moved, problems = figures.transformed(figure, Stages(tuple(more)), ar, spots)
-            found += problems
-            if moved is None:
-                continue
-            figure, spots = moved
-        start = None if item.start is None else spots[0]
-        enter = None if item.enter is None else spots[-1]
-        stages = [*(stage for stage, _ in item.shape.stages), *more]
-        out.append(Worked(item, figure, start, enter, direction.clockwise(figure, stages)))
-    return (None if has_errors(found) else tuple(out)), found
-
-
-def _figure(item: CutItem, ar: Arithmetic) -> tuple[tuple[Contour, ...] | None, list[Diagnostic]]:
-    figure, found = figures.join_chains(item.shape.chains)
-    out = [d for d in found if d.severity > Severity.NOTE]
-    for stage, span in item.shape.stages:
-        moved, problems = figures.transformed(figure, stage, ar)
-        out += [d if d.span is not None else replace(d, span=span) for d in problems]
-        if moved is None:
-            return None, out
-        figure = moved[0]
-    return figure, out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +56,7 @@ class _Piece:
 
 
 def plan(
-    cuts: Sequence[Worked], options: Options, ar: Arithmetic
+    cuts: Sequence[ShapedCut], options: Options, ar: Arithmetic
 ) -> tuple[Plan | None, list[Diagnostic]]:
     """Return where the wire goes, cut by cut in the order of the program."""
     found: list[Diagnostic] = []
@@ -178,7 +109,7 @@ def plan(
 
 
 def _pieces(
-    number: int, w: Worked, options: Options, ar: Arithmetic, used: Used
+    number: int, w: ShapedCut, options: Options, ar: Arithmetic, used: Used
 ) -> tuple[list[_Piece], list[Diagnostic]]:
     """Return the contours of a cut with the side on which the wire runs."""
     item, found = w.item, []
@@ -321,10 +252,10 @@ def _side(pieces: Sequence[_Piece], nesting: Nesting) -> Side | None:
 def _lanes(
     scene: Sequence[_Piece],
     nesting: Nesting,
-    cuts: Sequence[Worked],
+    cuts: Sequence[ShapedCut],
     options: Options,
     ar: Arithmetic,
-) -> tuple[list[Lane] | None, list[Diagnostic]]:
+) -> tuple[list[PlannedPath] | None, list[Diagnostic]]:
     """Return the wire paths of a scene, each in the direction of its contour."""
     contours = [p.contour for p in scene]
     lengths = [cuts[p.cut].item.lead for p in scene]
@@ -332,7 +263,9 @@ def _lanes(
     if not any(p.shift for p in scene):
         return [
             _run(
-                Lane(p.contour, p.contour, None, 0.0, k, nesting.parents[k], lengths[k], enters[k]),
+                PlannedPath(
+                    p.contour, p.contour, None, 0.0, k, nesting.parents[k], lengths[k], enters[k]
+                ),
                 p,
             )
             for k, p in enumerate(scene)
@@ -360,14 +293,14 @@ def _lanes(
     for p in result.paths:
         k = p.outline
         left = scene[k].shift > 0 if sided else None
-        lane = Lane(
+        lane = PlannedPath(
             p.path, contours[k], left, abs(shifts[k]), k, nesting.parents[k], lengths[k], enters[k]
         )
         lanes.append(_run(lane, scene[k]))
     return lanes, found
 
 
-def _run(lane: Lane, piece: _Piece) -> Lane:
+def _run(lane: PlannedPath, piece: _Piece) -> PlannedPath:
     """Return the lane in the direction in which the wire runs it."""
     if not piece.reverse:
         return lane
@@ -381,9 +314,9 @@ def _run(lane: Lane, piece: _Piece) -> Lane:
 
 def _led(
     scene: Sequence[_Piece],
-    lanes: list[Lane],
+    lanes: list[PlannedPath],
     nesting: Nesting,
-    cuts: Sequence[Worked],
+    cuts: Sequence[ShapedCut],
     options: Options,
     base: int,
     used: Used,
@@ -430,7 +363,7 @@ def _led(
 
 
 def _idle_clauses(
-    piece: _Piece, lane: Lane, led: Led, cuts: Sequence[Worked], options: Options
+    piece: _Piece, lane: PlannedPath, led: Threaded, cuts: Sequence[ShapedCut], options: Options
 ) -> list[Diagnostic]:
     """Return warnings on what a cut, or --reverse, says and a lead overrules."""
     w = cuts[piece.cut]
@@ -480,18 +413,3 @@ def _kept(scene: Sequence[_Piece], nesting: Nesting, made: Sequence[Cut], base: 
         reached = tuple(sorted(n - base - 1 for n in mine))
         out.append(Plan(own, outlines, nesting.depths, side, offset, False, (), reached, base))
     return out
-
-
-def sketch_of(part: Part, cuts: Sequence[Worked]) -> tuple[Sketch, tuple[Contour, ...]]:
-    """Return what is told of a part program: its unit, names and thread points, its contours."""
-    contours: list[Contour] = []
-    for w in cuts:
-        contours += [c for c in w.figure if not any(c is known for known in contours)]
-    info = SketchInfo(
-        units=part.units,
-        units_from="the part program",
-        entities={"contour": dict(part.blocks)},
-        extra={"part": part.name} if part.name else {},
-    )
-    threads = tuple(w.start for w in cuts if w.start is not None)
-    return Sketch(np.zeros(0, SEGMENT), (), threads, info), tuple(contours)

@@ -20,9 +20,9 @@ from wedmcam.ir.plan import Cut, Order, Side
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.compensate import Interference, compensate, largest_offset
-from wedmcam.transforms.idle import NEARER_END, Used, of_path
-from wedmcam.transforms.leads import Lane, Led, lead
-from wedmcam.transforms.order import order
+from wedmcam.transforms.plan.idle import NEARER_END, Used, of_path
+from wedmcam.transforms.plan.leads import PlannedPath, Threaded, lead
+from wedmcam.transforms.plan.order import order
 
 if TYPE_CHECKING:
     from wedmcam.options import Options
@@ -36,7 +36,7 @@ LISTED = 10
 class Lanes:
     """Wire paths, and the contour (index) that each belongs to."""
 
-    lanes: list[Lane]
+    lanes: list[PlannedPath]
     contour: list[int]
 
 
@@ -92,7 +92,9 @@ def lanes(
     offset = options.offset_um or 0.0
     if side is Side.ON:
         found: list[Diagnostic] = []
-        paths = [Lane(c, c, None, 0.0, k, nesting.parents[k]) for k, c in enumerate(contours)]
+        paths = [
+            PlannedPath(c, c, None, 0.0, k, nesting.parents[k]) for k, c in enumerate(contours)
+        ]
         of = list(range(len(contours)))
     else:
         shift = shifts(contours, nesting, side, offset)
@@ -104,7 +106,7 @@ def lanes(
             return None, found if has_errors(found) else [*found, _nothing_left(options)]
         left = side in (Side.LEFT, Side.RIGHT)
         paths = [
-            Lane(
+            PlannedPath(
                 p.path,
                 contours[p.outline],
                 None if left else shift[p.outline] > 0,
@@ -227,7 +229,7 @@ def cuts(
     return result, found
 
 
-def overruled(lane: Lane, led: Led) -> bool:
+def overruled(lane: PlannedPath, led: Threaded) -> bool:
     """Return whether a thread point lets an open path be run the other way than it was to be."""
     if led.path.closed:
         return False
@@ -235,7 +237,7 @@ def overruled(lane: Lane, led: Led) -> bool:
     return bool(a["x"][0] != b["x"][0] or a["y"][0] != b["y"][0])
 
 
-def _idle(made: Lanes, led: Sequence[Led], options: Options) -> list[Diagnostic]:
+def _idle(made: Lanes, led: Sequence[Threaded], options: Options) -> list[Diagnostic]:
     """Return warnings on options that had no effect on a drawing."""
     used = Used()
     for lane, one in zip(made.lanes, led, strict=True):

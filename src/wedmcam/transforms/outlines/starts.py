@@ -16,9 +16,9 @@ from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import Segments
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan, Side
-from wedmcam.transforms import leads
-from wedmcam.transforms.leads import Lane, Led
 from wedmcam.transforms.outlines.grid import Grid
+from wedmcam.transforms.plan import leads
+from wedmcam.transforms.plan.leads import PlannedPath, Threaded
 
 #: A foot this near to a vertex is the vertex; um.
 VERTEX_UM = 0.5
@@ -60,13 +60,14 @@ def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
     moved = [_restarted(cut, offset_of(plan, cut), grid) for cut in plan.cuts]
     if all(a is b for a, b in zip(moved, plan.cuts, strict=True)):
         return plan, []
-    lanes = [
-        Lane(c.path, c.outline or c.path, None, offset_of(plan, c), k) for k, c in enumerate(moved)
+    paths = [
+        PlannedPath(c.path, c.outline or c.path, None, offset_of(plan, c), k)
+        for k, c in enumerate(moved)
     ]
-    led = [Led(c.path, c.thread) for c in moved]
+    threaded = [Threaded(c.path, c.thread) for c in moved]
     found = leads.collisions(
-        lanes,
-        led,
+        paths,
+        threaded,
         "such a controller starts beside a corner, not in it: put the thread point (or 'enter') "
         f"{FROM_CORNER_UM / 1000:g} mm from it, or give another one",
     )

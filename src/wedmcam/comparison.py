@@ -44,9 +44,7 @@ def difference_um(
     options = replace(options, arithmetic=other, strict=False)
     run = Run()
     try:
-        if (
-            options.transforms or drawn.items is not None
-        ):  # else what was read depends on no arithmetic
+        if drawn.computed:
             drawn = pipeline.read(data, name, options, run)
         there = pipeline.plan(drawn, options, run)
     except Refused:

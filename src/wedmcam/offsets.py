@@ -83,11 +83,7 @@ def numbers(plan: Plan, machine: Machine) -> dict[int, float]:
 
 def of_cuts(plan: Plan) -> list[float]:
     """Return the offset of each cut, um: cuts of a part program have their own."""
-    if not plan.parts:
-        return [plan.offset_um] * len(plan.cuts)
-    from wedmcam.transforms.outlines import offset_of
-
-    return [offset_of(plan, cut) for cut in plan.cuts]
+    return [cut.offset_um for cut in plan.cuts]
 
 
 def said(plan: Plan) -> str:
@@ -183,10 +179,7 @@ class _Writer:
 
     def settled(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:
         """Return what must not be chosen for one contour, that it strays nowhere or least."""
-        from wedmcam.transforms.outlines import offset_of
-
-        cut = plan.cuts[number]
-        alone = replace(plan, cuts=(cut,), offset_um=offset_of(plan, cut), partial=True, parts=())
+        alone = replace(plan, cuts=(plan.cuts[number],), partial=True)
         bad = [(0, *choice[1:]) for choice in strays]
         best, least = bad, len(strays) + 1
         for _ in range(ROUNDS):

@@ -46,10 +46,10 @@ def shape_cuts(
             if moved is None:
                 continue
             figure, spots = moved
-        start = None if item.start is None else spots[0]
+        starts = () if item.start is None else spots[:1]
         enter = None if item.enter is None else spots[-1]
         stages = [*(stage for stage, _ in item.shape.stages), *more]
-        shaped.append(ShapedCut(item, figure, start, enter, direction.clockwise(figure, stages)))
+        shaped.append(ShapedCut(item, figure, starts, enter, direction.clockwise(figure, stages)))
     return (None if has_errors(found) else tuple(shaped)), found
 
 
@@ -76,5 +76,5 @@ def sketch_of(part: Part, cuts: Sequence[ShapedCut]) -> tuple[Sketch, tuple[Cont
         entities={"contour": dict(part.blocks)},
         extra={"part": part.name} if part.name else {},
     )
-    threads = tuple(w.start for w in cuts if w.start is not None)
+    threads = tuple(start for w in cuts for start in w.starts)
     return Sketch(np.zeros(0, SEGMENT), (), threads, info), tuple(contours)

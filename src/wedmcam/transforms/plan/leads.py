@@ -21,6 +21,7 @@ from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.sketch import ThreadPoint
+from wedmcam.transforms.plan.paths import PlannedPath
 
 #: A lead that arrives this near to a vertex arrives at it: no leftovers of a few steps; um.
 VERTEX_UM = 5.0
@@ -33,34 +34,6 @@ TIE_UM = 1e-3
 CLEAR = 0.25
 #: How often a lead is halved that would end too near to another wall.
 HALVED = 8
-#: How a thread point is given for a drawing, and in a part program.
-_WORDS = ("--start X,Y; a POINT on layer START", "'start' of the cut")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlannedPath:
-    """A wire path that wants a lead.
-
-    Attributes:
-        path: the wire path, in cutting direction.
-        outline: what it was made from; None for ``on`` open paths.
-        scrap_left: scrap to the left (True) or right of the path; None where there is none (on).
-        offset_um: distance between the two.
-        contour: number of the outline; several paths may share one.
-        parent: number of the outline directly around it, -1 for none.
-        lead_um: length of a lead that nobody stated; None for the usual one.
-        enter: where the lead arrives: at the point of the path nearest to this, um, and where
-            that was stated; None for the point nearest to the thread point.
-    """
-
-    path: Contour
-    outline: Contour
-    scrap_left: bool | None
-    offset_um: float
-    contour: int = 0
-    parent: int = -1
-    lead_um: float | None = None
-    enter: ThreadPoint | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +52,8 @@ def lead(
     paths: Sequence[PlannedPath],
     threads: Sequence[ThreadPoint],
     lead_um: float,
-    only: Sequence[Collection[int]] | None = None,
+    only: Sequence[Collection[int]],
+    words: str,
 ) -> tuple[list[Threaded] | None, list[Diagnostic]]:
     """Return every path with its lead.
 
@@ -91,7 +65,8 @@ def lead(
         paths: closed or open paths, um.
         threads: thread points, um; the nearest whole um is used.
         lead_um: length of a lead that nobody stated.
-        only: for each thread point the numbers of the paths that it may serve; None for all.
+        only: for each thread point the numbers of the paths that it may serve.
+        words: how a thread point is given, for hints.
     """
     found: list[Diagnostic] = []
     served: dict[int, tuple[int, int]] = {}
@@ -100,7 +75,7 @@ def lead(
     for k, point in enumerate(threads):
         x, y = (int(v) for v in to_grid([point.x, point.y]))
         place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
-        number, problem = _serves(scene, x, y, None if only is None else only[k])
+        number, problem = _serves(scene, x, y, only[k])
         if number is None:
             found.append(
                 error(
@@ -128,8 +103,6 @@ def lead(
             spans[number] = point.span
     if found:
         return None, found
-    # Where thread points serve paths by their number, a part program states them.
-    words = _WORDS[only is not None]
     free = [k for k in range(len(paths)) if k not in served]
     result, along = _chosen(scene, free, lead_um)
     cures = [_cure(planned, words, k in served) for k, planned in enumerate(paths)]
@@ -182,9 +155,7 @@ class _Scene:
 # --- which path a thread point serves ------------------------------------------------------------
 
 
-def _serves(
-    scene: _Scene, x: int, y: int, only: Collection[int] | None = None
-) -> tuple[int | None, str]:
+def _serves(scene: _Scene, x: int, y: int, only: Collection[int]) -> tuple[int | None, str]:
     """Return the number of the path that (x, y) serves, or None and why.
 
     Scrap lies inside one contour (the innermost around the point) and outside those directly in
@@ -212,7 +183,7 @@ def _serves(
             and inside_home
         ):
             candidates.append(k)
-    if only is not None and candidates:
+    if candidates:
         candidates = [k for k in candidates if k in only]
         if not candidates:
             return None, "it is not on the scrap side of its own contour"

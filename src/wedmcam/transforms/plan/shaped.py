@@ -1,4 +1,8 @@
-"""What is asked of one cut, with its figure: what a part program says of each."""
+"""What is asked of one cut, with its figure.
+
+A part program has many; a drawing is one, of all its contours, with the sides, thread points and
+order that the options state (`drawing`).
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,9 @@ from dataclasses import dataclass
 
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.part import CutItem
+from wedmcam.ir.plan import Order
 from wedmcam.ir.sketch import ThreadPoint
+from wedmcam.transforms.nest import Nesting
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -14,16 +20,21 @@ class ShapedCut:
     """A cut whose figure has been through its transforms.
 
     Attributes:
-        item: as written.
+        item: as written; what it leaves open the options say.
         figure: its contours.
-        start: the thread point, moved by ``--transform``.
-        enter: likewise.
+        starts: thread points, each for one of its contours; moved by ``--transform``.
+        enter: where the lead arrives, likewise moved.
         clockwise: for each contour whether the program states that it is run clockwise; it counts
-            where the side is inside or outside.
+            where the side is inside or outside. Empty where none is.
+        order: in which order its contours are cut.
+        nesting: how its contours lie in each other, where that is known: then the closed ones run
+            counter-clockwise, they meet nowhere, and are one part. None where it is to be found.
     """
 
     item: CutItem
     figure: tuple[Contour, ...]
-    start: ThreadPoint | None
+    starts: tuple[ThreadPoint, ...] = ()
     enter: ThreadPoint | None = None
     clockwise: tuple[bool, ...] = ()
+    order: Order = Order.INNER_FIRST
+    nesting: Nesting | None = None

@@ -6,6 +6,7 @@ path is read here and nowhere deeper.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,11 +16,12 @@ from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
-from wedmcam.options import Options, WrongUse
+from wedmcam.options import READING, Options, WrongUse, check_reading, nm_of
 from wedmcam.pipeline import Drawn, Refused, Run
 
 if TYPE_CHECKING:
     from wedmcam.entered import Entered
+    from wedmcam.frontends.dialect import Dialect
     from wedmcam.judge.difference import Difference
     from wedmcam.judge.verdict import Verdict
 
@@ -102,6 +104,10 @@ def compile(
     data, name = _bytes(source, name)
     machine = machine_for(to, profile)
     options = options if options is not None else options_in_mm(**mm)
+    if options.reading:
+        raise WrongUse(
+            f"{', '.join(options.reading)}: said of a program that is read, not compiled"
+        )
     run = Run(options.strict)
     drawn = plan = lowered = program = verdict = None
     out: bytes | None = None
@@ -215,6 +221,50 @@ def machine_for(to: str | None, profile: Machine | str | None) -> Machine:
     if to is not None and profile.format != to:
         raise WrongUse(f"the profile '{profile.name}' is for {profile.format}, not for {to}")
     return profile
+
+
+def machine_issued(certificate: dict[str, Any]) -> Machine:
+    """Return the machine that a certificate was issued for; it holds what is not built in.
+
+    Raises:
+        WrongUse: it names a profile that is not there.
+    """
+    name, text = str(certificate["profile"]), certificate.get("profile_toml")
+    if text is None:
+        return machine_for(None, name)
+    machine, found = machines.parse(str(text), name)
+    if machine is None:
+        raise WrongUse(f"the certificate's profile '{name}' cannot be used: {found[0].message}")
+    return machine
+
+
+def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:
+    """Return what is said of a program beside its text; keywords as in `options.READING`.
+
+    Args:
+        said: the answers.
+        named: its profile was named, and says the rest.
+        shown: nothing is written or proven: what is not said is assumed.
+
+    Raises:
+        WrongUse: no such keyword or answer.
+    """
+    from wedmcam.frontends.dialect import Dialect
+
+    check_reading(said)
+    units, whole = (
+        None if (unit := said.get(name)) is None else nm_of(unit)
+        for name in ("units_in", "whole_in")
+    )
+    return Dialect(
+        coordinates=said.get("coordinates_in"),
+        units_nm=units,
+        whole_nm=whole,
+        centres=said.get("centres_in"),
+        semicolon=said.get("semicolon_in"),
+        named=named,
+        shown=shown,
+    )
 
 
 def _bytes(source: Source, name: str | None) -> tuple[bytes, str]:
@@ -332,6 +382,7 @@ def verify(
     origin_mm: tuple[float, float] | None = None,
     certificate: dict[str, Any] | None = None,
     options: Options | None = None,
+    shown: bool = False,
     **mm: Any,
 ) -> Proof:
     """Decode a program, run it on its controller, and compare it with a drawing.
@@ -339,7 +390,9 @@ def verify(
     Args:
         program: a path or bytes.
         against: the drawing; None only decodes, runs and tells the figures.
-        profile: as for `compile`.
+        profile: of the program; None for that of the certificate, else the default of its format.
+            An ISO program then has to say itself what its numbers mean, or the options
+            ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``, ``semicolon_in`` do.
         format: of the program; None to tell by its name and its content.
         name: of the program in findings.
         against_name: of the drawing.
@@ -347,14 +400,18 @@ def verify(
             this program's; else where the same options would start it; else a fitted translation.
         certificate: of an earlier compile; gives options and origin, and is checked itself.
         options: how the drawing is cut.
+        shown: the program is only to be drawn: what it leaves open is assumed, with a warning.
         **mm: instead of ``options``, its fields in mm.
 
     What is proven is the part: another order, other leads, are notes.
     """
     data, name = _bytes(program, name)
+    if profile is None and certificate is not None and certificate.get("profile"):
+        profile = machine_issued(certificate)
     machine = _reader_machine(data, name, format, profile)
     if options is None:
         options = options_in_mm(**mm)
+    dialect = _dialect(options.reading, profile is not None, shown)
     run = Run(options.strict)
     decoded: Program | None = None
     plan: Plan | None = None
@@ -367,7 +424,7 @@ def verify(
         if against is not None and machine.gapped:  # the plan says by how much
             drawn = pipeline.read(drawing, drawing_name, options, run)
             plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
-        decoded = _decode(data, name, machine, run, options, plan)
+        decoded = _decode(data, name, machine, run, options, plan, dialect)
         kind = pipeline.source_format(drawing, drawing_name, options) if drawn else None
         run.add("decode", _no_gap(decoded, machine, options, kind))
         run.add("decode", _unended(decoded, machine))
@@ -405,21 +462,37 @@ def read_program(
     format: str | None = None,
     name: str | None = None,
     entered: Entered | None = None,
+    shown: bool = False,
+    **said: str | None,
 ) -> tuple[Program | None, Machine, tuple[Diagnostic, ...]]:
     """Return a program as decoded, the machine it was read with, and the findings.
 
-    ``entered``: what the operator enters beside a rotation or compensation file, or for G41, G42.
+    Args:
+        source: a path or bytes.
+        profile: of the program; None for the default of its format, which says nothing of what an
+            ISO program leaves open.
+        format: None to tell by name and content.
+        name: in findings.
+        entered: what the operator enters beside a rotation or compensation file, or for G41, G42.
+        shown: the program is only shown: what it leaves open is assumed, and said first. Else it is
+            refused.
+        **said: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``,
+            ``semicolon_in``, as in `Options`.
+
+    Raises:
+        WrongUse: an unknown format or profile, or something else said.
     """
     from wedmcam.entered import unstated
 
     data, name = _bytes(source, name)
     machine = _reader_machine(data, name, format, profile)
+    dialect = _dialect(said, profile is not None, shown)
     run = Run()
     try:
         if entered is None:
-            decoded = _decode(data, name, machine, run, Options())
+            decoded = _decode(data, name, machine, run, Options(), None, dialect)
         else:
-            decoded = run("decode", entered.decode(data, machine, name))
+            decoded = run("decode", entered.decode(data, machine, name, dialect))
     except Refused:
         return None, machine, tuple(run.found)
     if entered is None or entered.gap_um is None:
@@ -428,9 +501,15 @@ def read_program(
 
 
 def _decode(
-    data: bytes, name: str, machine: Machine, run: Run, options: Options, plan: Plan | None = None
+    data: bytes,
+    name: str,
+    machine: Machine,
+    run: Run,
+    options: Options,
+    plan: Plan | None,
+    dialect: Dialect,
 ) -> Program:
-    return run("decode", pipeline.decode(data, machine, name, options, plan))
+    return run("decode", pipeline.decode(data, machine, name, options, plan, dialect))
 
 
 def _no_gap(
@@ -647,10 +726,19 @@ def diff(
     names: tuple[str | None, str | None] = (None, None),
     profiles: tuple[Machine | str | None, Machine | str | None] = (None, None),
     d: tuple[tuple[int, float], ...] = (),
+    **said: str | None,
 ) -> tuple[Difference | None, tuple[Diagnostic, ...]]:
     """Compare two programs of any formats as step paths; see ``judge.difference``.
 
-    ``d``: numbers and offsets (um) of ISO programs with G41 or G42.
+    Args:
+        a: a path or bytes.
+        b: likewise.
+        within_mm: as far apart is equal.
+        names: of both in findings.
+        profiles: of both.
+        d: numbers and offsets (um) of ISO programs with G41 or G42.
+        **said: of ISO programs, as for `read_program`; ``whole_in_b`` and others are of the second
+            where it is read otherwise.
 
     Returns:
         The difference; None where one cannot be read. And the findings of both readers.
@@ -658,9 +746,14 @@ def diff(
     from wedmcam.entered import Entered
     from wedmcam.judge.difference import difference
 
+    first: dict[str, Any] = {name: v for name, v in said.items() if not name.endswith("_b")}
+    other = {n: v for n in READING if (v := said.get(f"{n}_b")) is not None}
+    check_reading({name.removesuffix("_b"): v for name, v in said.items()})
     read = [
-        read_program(source, profile=profile, name=name, entered=Entered(d=d))
-        for source, name, profile in zip((a, b), names, profiles, strict=True)
+        read_program(source, profile=profile, name=name, entered=Entered(d=d), **of)
+        for source, name, profile, of in zip(
+            (a, b), names, profiles, (first, {**first, **other}), strict=True
+        )
     ]
     found = tuple(d for _, _, some in read for d in some)
     (one, machine_a, _), (two, machine_b, _) = read

@@ -104,6 +104,7 @@ def convert(
     format: str | None = None,
     strict: bool = False,
     entered: Entered | None = None,
+    **said: Any,
 ) -> Conversion:
     """Return a program of one format as one of another, proven to step the same path.
 
@@ -111,12 +112,14 @@ def convert(
         source: a path or bytes.
         to: a program format, or a key of `TARGETS`.
         profile: of the other program; None for the default of its format.
-        profile_in: of the program that is read; None to tell by name and content.
+        profile_in: of the program that is read; None for the default of the format that name and
+            content tell: what an ISO program leaves open is then refused.
         name: of the source in findings.
         format: of the source; None to tell by name and content.
         strict: warnings are errors.
         entered: copies and angle of a rotation file, gap and side of a compensation file, read or
             written.
+        **said: of an ISO program, as for `wedmcam.read_program`: ``units_in``, ``whole_in``, ...
 
     Raises:
         WrongUse: an unknown format or profile.
@@ -130,7 +133,7 @@ def convert(
 
     entered = entered or Entered()
     read, machine_in, found_in = api.read_program(
-        source, profile=profile_in, format=format, name=name, entered=entered
+        source, profile=profile_in, format=format, name=name, entered=entered, **said
     )
     written = to if to in TARGETS else api.machine_for(to, profile).format
     entered.check(machine_in.format, written or "")

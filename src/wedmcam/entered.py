@@ -8,12 +8,15 @@ holds outlines, and the table of D numbers says how far beside them the wire run
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag import Diagnostic, Severity, note
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.options import WrongUse
+
+if TYPE_CHECKING:
+    from wedmcam.frontends.dialect import Dialect
 
 #: Formats of outlines whose arcs the controller scales by a gap.
 GAPPED = ("compensation", "4b")
@@ -69,13 +72,18 @@ class Entered:
         if self.gap_um != round(self.gap_um) or self.gap_um < 0:
             raise WrongUse(f"--gap is a whole number of um from 0 on, not {self.gap_um:g} um")
 
-    def decode(self, data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
-        """Return the cutting program that a file means with these numbers."""
+    def decode(
+        self, data: bytes, machine: Machine, file: str, dialect: Dialect | None = None
+    ) -> tuple[Program, list[Diagnostic]]:
+        """Return the cutting program that a file means with these numbers.
+
+        ``dialect``: what is said of a foreign ISO program; None: its machine is known.
+        """
         from wedmcam import offsets
         from wedmcam.frontends import decoder
 
         if machine.format == "iso":
-            return offsets.decode(data, machine, file, offsets.table_of(self.d))
+            return offsets.decode(data, machine, file, offsets.table_of(self.d), dialect)
         made: tuple[Program, list[Diagnostic]] = decoder(machine.format)(
             data, machine, file, **self.read(machine.format)
         )

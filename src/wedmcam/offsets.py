@@ -20,6 +20,7 @@ from wedmcam.options import Options, WrongUse
 
 if TYPE_CHECKING:
     from wedmcam.frontends.compensation import Table
+    from wedmcam.frontends.dialect import Dialect
     from wedmcam.transforms.lower import Target
     from wedmcam.transforms.outlines import Grid, Written
 
@@ -33,7 +34,11 @@ Given = Iterable[tuple[int, float]]
 
 
 def decode(
-    data: bytes, machine: Machine, file: str, table: Table | None = None
+    data: bytes,
+    machine: Machine,
+    file: str,
+    table: Table | None = None,
+    dialect: Dialect | None = None,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that an ISO file means to a controller with these offsets.
 
@@ -42,13 +47,14 @@ def decode(
         machine: an ISO profile.
         file: name for the spans.
         table: D number -> offset, um; None to refuse G41 and G42.
+        dialect: what is said beside the file; None: it is of this machine.
     """
     from wedmcam.frontends.axes import to_drawing
     from wedmcam.frontends.iso import read
 
     step = machine.axes.step_um  # what follows is in steps of the machine
     steps = table if table is None or step == 1 else _in_steps(table, step)
-    made, found = read(data, machine, file, steps)
+    made, found = read(data, machine, file, steps, dialect)
     program = made.program
     if len(made.motions) and not has_errors(found):
         from wedmcam.transforms.controlled import applied

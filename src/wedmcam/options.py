@@ -6,6 +6,8 @@ options, so that ``verify --against`` can repeat them.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -25,10 +27,59 @@ SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.item
 PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
 SOURCE_FORMATS = ("dxf", "wed")
 ARITHMETICS = ("decimal8", "float64")
+#: What can be said of a program that is read, beside its profile -> the answers; a unit is "um",
+#: "mm", "inch" or a length.
+READING: dict[str, tuple[str, ...]] = {
+    "units_in": ("mm", "um", "inch"),
+    "whole_in": ("um", "mm", "inch"),
+    "coordinates_in": ("absolute", "incremental"),
+    "centres_in": ("start", "absolute"),
+    "semicolon_in": ("block", "comment"),
+}
+_UNIT = re.compile(r"\s*(\d+\.?\d*|\.\d+)?\s*(um|mm|inch|in)\s*")
 
 
 class WrongUse(Exception):  # noqa: N818 - a kind of stop, not of error
     """Options that do not fit together or to the input: exit status 2."""
+
+
+def check_reading(said: Mapping[str, str | None]) -> None:
+    """Refuse what is said of a program that is read, where it is no answer.
+
+    Raises:
+        WrongUse: an unknown keyword or value.
+    """
+    for name, value in said.items():
+        answers = READING.get(name)
+        if answers is None:
+            raise WrongUse(f"there is no '{name}': {', '.join(READING)}")
+        if value is None or value in answers:
+            continue
+        option = f"--{name.replace('_', '-')}"
+        if name != "whole_in":
+            raise WrongUse(f"{option} takes {' or '.join(answers)}, not '{value}'")
+        try:
+            nm_of(str(value))
+        except ValueError as why:
+            raise WrongUse(f"{option} {why}") from None
+
+
+def nm_of(unit: str) -> int:
+    """Return a unit, or a length with one, in nanometres.
+
+    >>> nm_of("um"), nm_of("10um"), nm_of("0.0001in")
+    (1000, 10000, 2540)
+
+    Raises:
+        ValueError: it is none, or no whole number of nanometres up to a metre.
+    """
+    from fractions import Fraction
+
+    if found := _UNIT.fullmatch(unit):
+        nm = Fraction(found[1] or 1) * {"um": 1000, "mm": 10**6}.get(found[2], 25_400_000)
+        if nm.denominator == 1 and 0 < nm <= 10**9:
+            return int(nm)
+    raise ValueError(f"takes um, mm, inch, or a length such as 10um or 0.0001in, not '{unit}'")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +114,13 @@ class Options:
         backwards: the rest of the contour of ``from_block`` from its end back to that block.
         d: offsets of a controller that compensates itself (G41, G42): D number and um.
         arithmetic: "decimal8", in which the ZD-065 computes, or "float64": in what formulas run.
+        units_in: of an ISO program that is verified: what a number with a point is where no G20 or
+            G21 stands, "mm", "um" or "inch"; None where nobody says it.
+        whole_in: what 1 is in a number without a point: "um", "mm", "inch", or a length ("10um").
+        coordinates_in: "absolute" or "incremental", before the first G90 or G91.
+        centres_in: "start" (I and J lead from the start to the centre) or "absolute" (they are its
+            place).
+        semicolon_in: what stands behind a semicolon, a "block" or a "comment".
         wishes: names of the fields that were asked for with this source in mind (typed; wire_um
             and gap_um beside offset_um where they state it), in contrast to the defaults of a
             shop; None where whatever is not the usual counts as a wish. They change no program: a
@@ -97,9 +155,15 @@ class Options:
     from_block: int = 0
     backwards: bool = False
     d: tuple[tuple[int, float], ...] = ()
+    units_in: str | None = None
+    whole_in: str | None = None
+    coordinates_in: str | None = None
+    centres_in: str | None = None
+    semicolon_in: str | None = None
     wishes: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
+        check_reading(self.reading)
         if self.units not in (None, "mm", "um", "inch"):
             raise WrongUse(f"no unit is called '{self.units}': mm, um or inch")
         if self.count not in (None, "exact", "textbook"):
@@ -144,6 +208,11 @@ class Options:
         if self.side is not None:
             return self.side
         return Side.PART if self.offset_um else Side.ON
+
+    @property
+    def reading(self) -> dict[str, str]:
+        """What is said of a program that is read."""
+        return {name: getattr(self, name) for name in READING if getattr(self, name) is not None}
 
     @property
     def texts(self) -> dict[str, str | bytes]:

@@ -20,6 +20,7 @@ from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
 
 if TYPE_CHECKING:
+    from wedmcam.frontends.dialect import Dialect
     from wedmcam.judge.verdict import Verdict
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.nest import Nesting
@@ -385,17 +386,29 @@ def processing(machine: Machine, options: Options, made: Plan | None = None) -> 
 
 
 def decode(
-    data: bytes, machine: Machine, file: str, options: Options, made: Plan | None = None
+    data: bytes,
+    machine: Machine,
+    file: str,
+    options: Options,
+    made: Plan | None = None,
+    dialect: Dialect | None = None,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that a file means to its controller.
 
-    ``made``: the plan that it is of, where there is one.
+    Args:
+        data: of the file.
+        machine: its profile.
+        file: name for the findings.
+        options: what is entered at the controller.
+        made: the plan that it is of, where there is one.
+        dialect: what is said of a foreign ISO program; None: its machine is known.
     """
     from wedmcam import offsets
     from wedmcam.frontends import decoder
 
     if machine.format == "iso":
-        return offsets.decode(data, machine, file, offsets.table_of(options.d, options.offset_um))
+        table = offsets.table_of(options.d, options.offset_um)
+        return offsets.decode(data, machine, file, table, dialect)
 
     program: tuple[Program, list[Diagnostic]] = decoder(machine.format)(
         data, machine, file, **processing(machine, options, made)

@@ -222,6 +222,8 @@ def test_commands_that_read_programs_take_the_profile_of_the_shop(shop):
     said(shop, "compile", "part.dxf", "-o", "x.3b")
     line = ("convert", "x.3b", "-o", "x.nc")
     assert "read as turned" in said(shop, *line)
+    said(shop, "verify", "x.nc", "--against", "part.dxf", status=1)
+    put(shop, "jobs", "offset = 0.1", 'profile = "turned.toml"', 'profile-in = "iso-um"')
     said(shop, "verify", "x.nc", "--against", "part.dxf")
     assert said(shop, "diff", "x.3b", "x.nc", "--json").count("true") == 1
     assert "mirror" in said(shop, "dump", "x.3b")
@@ -241,7 +243,7 @@ def test_commands_that_read_programs_take_the_offsets_of_the_controller(shop):
     said(shop, "compile", "part.dxf", "-o", "x.nc", "--profile", "iso-g41", "--offset", "0.1")
     said(shop, "dump", "x.nc", status=1)
     said(shop, "convert", "x.nc", "-o", "x.3b", status=1)
-    put(shop, "jobs", 'd = ["1=0.1mm"]')
+    put(shop, "jobs", 'd = ["1=0.1mm"]', 'whole-in = "um"')
     said(shop, "dump", "x.nc")
     said(shop, "convert", "x.nc", "-o", "x.3b")
     said(shop, "diff", "x.nc", "x.3b")

@@ -103,7 +103,7 @@ def test_forged_programs_are_refused(old, new):
     assert forged != text
     for data, status in ((text, 0), (forged, 1)):
         proof = api.verify(
-            data.encode(), against=SAMPLES / "plate.dxf", name="a.nc", format="iso", offset=0.1
+            data.encode(), against=SAMPLES / "plate.dxf", name="a.nc", profile="iso-um", offset=0.1
         )
         assert bool(proof.status) == bool(status)
 
@@ -138,5 +138,5 @@ def test_full_circles_are_two_halves_of_the_same_steps(sense, start, size, name)
     one = conversion.convert(circle, to="iso", format="3b", profile=whole)
     assert one.ok
     assert one.data.count(b"I") == 1
-    told, _ = api.diff(halves.data, one.data, names=("a.nc", "b.nc"))
+    told, _ = api.diff(halves.data, one.data, names=("a.nc", "b.nc"), profiles=(name, name))
     assert told.largest_um == 0

@@ -164,7 +164,7 @@ def test_compile_writes_what_verify_proves(tmp_path):
     drawing = Path(__file__).parents[2] / "samples" / "key-punch.dxf"
     made = api.compile(drawing, to="iso", offset=0.1)
     assert made.ok
-    assert api.verify(made.data, format="iso", against=drawing, offset=0.1).ok
+    assert api.verify(made.data, profile="iso-um", against=drawing, offset=0.1).ok
     assert b"-0\n" not in made.data.replace(b" ", b"\n")
     forgeries = [
         (b"G02", b"G03"),
@@ -177,12 +177,12 @@ def test_compile_writes_what_verify_proves(tmp_path):
         if old in text:
             done += 1
             assert not api.verify(
-                text.replace(old, new, 1), format="iso", against=drawing, offset=0.1
+                text.replace(old, new, 1), profile="iso-um", against=drawing, offset=0.1
             ).ok
     rows = text.split(b"\n")
     middle = len(rows) // 2
     gone = b"\n".join(rows[:middle] + rows[middle + 1 :])
-    assert not api.verify(gone, format="iso", against=drawing, offset=0.1).ok
+    assert not api.verify(gone, profile="iso-um", against=drawing, offset=0.1).ok
     assert done >= 2
 
 

@@ -238,15 +238,18 @@ def test_tables():
 
 def test_the_library_takes_the_table():
     program, _, found = api.read_program(
-        SLOT.encode(), name="x.nc", entered=Entered(d=((1, 100.0),))
+        SLOT.encode(), name="x.nc", entered=Entered(d=((1, 100.0),)), whole_in="um"
     )
     assert not found
     assert len(program.blocks) == 10
-    proof = api.verify(SLOT.encode(), name="x.nc", d=((1, 100.0),))
+    proof = api.verify(SLOT.encode(), name="x.nc", d=((1, 100.0),), whole_in="um")
     assert proof.ok
-    made = conversion.convert(SLOT.encode(), to="3b", name="x.nc", entered=Entered(d=((1, 100.0),)))
+    table = Entered(d=((1, 100.0),))
+    made = conversion.convert(SLOT.encode(), to="3b", name="x.nc", entered=table, whole_in="um")
     assert made.ok
-    apart, _ = api.diff(SLOT.encode(), made.data, names=("x.nc", "x.3b"), d=((1, 100.0),))
+    apart, _ = api.diff(
+        SLOT.encode(), made.data, names=("x.nc", "x.3b"), d=((1, 100.0),), whole_in="um"
+    )
     assert apart.equal
     with pytest.raises(WrongUse, match="--d is for ISO"):
         conversion.convert(made.data, to="iso", name="x.3b", entered=Entered(d=((1, 100.0),)))
@@ -265,14 +268,14 @@ def test_settings_take_the_table(tmp_path):
     import sys
 
     (tmp_path / "slot.nc").write_text(SLOT)
-    (tmp_path / "wedmcam.toml").write_text('d = ["1=0.1mm", "2=90um"]\n')
+    (tmp_path / "wedmcam.toml").write_text('d = ["1=0.1mm", "2=90um"]\nwhole-in = "um"\n')
     done = subprocess.run(
         [sys.executable, "-m", "wedmcam", "verify", "slot.nc"],
         cwd=tmp_path, capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "9 blocks" in done.stderr
-    (tmp_path / "wedmcam.toml").write_text('d = ["2=90um"]\n')
+    (tmp_path / "wedmcam.toml").write_text('d = ["2=90um"]\nwhole-in = "um"\n')
     done = subprocess.run(
         [sys.executable, "-m", "wedmcam", "verify", "slot.nc"],
         cwd=tmp_path, capture_output=True, text=True, timeout=120,

@@ -157,6 +157,61 @@ d_option = click.option(
     "repeat.",
 )
 
+
+def _unit(_: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Return a unit or a length as it was typed, checked."""
+    from wedmcam.options import nm_of
+
+    try:
+        return value if value is None else (nm_of(value), value)[1]
+    except ValueError as why:
+        raise click.BadParameter(str(why), param=param) from None
+
+
+def _reading(suffix: str = "", of: str = "Of an ISO program: ") -> list[Callable[[F], F]]:
+    """Return the options of `options.READING`; each answers what a program leaves open."""
+    lengths: dict[str, Any] = {"metavar": "um|mm|inch|LENGTH", "callback": _unit}
+    told: dict[str, tuple[dict[str, Any], str]] = {
+        "units-in": (
+            {"type": click.Choice(["mm", "um", "inch"])},
+            "unit of numbers with a point where no G20 or G21 stands.",
+        ),
+        "whole-in": (lengths, "what 1 is in a number without a point; or a length such as 10um."),
+        "coordinates-in": (
+            {"type": click.Choice(["absolute", "incremental"])},
+            "what holds before the first G90 or G91.",
+        ),
+        "centres-in": (
+            {"type": click.Choice(["start", "absolute"])},
+            "I and J lead from the start to the centre, or are its place.",
+        ),
+        "semicolon-in": (
+            {"type": click.Choice(["block", "comment"])},
+            "what stands behind a semicolon.",
+        ),
+    }
+    return [
+        click.option(f"--{name}{suffix}", help=of + means, **taken)
+        for name, (taken, means) in told.items()
+    ]
+
+
+reading_options = _stack(
+    click.option("--profile-in", metavar="NAME|FILE", help="Profile of the program that is read."),
+    *_reading(),
+)
+reading_options_b = _stack(*_reading("-b", "Of the second, where it is read otherwise: "))
+
+
+def said_of(asked: dict[str, Any]) -> dict[str, Any]:
+    """Return what is said of a program that is read, taken out of what click collected."""
+    from wedmcam.options import READING
+
+    names = [*READING, *(f"{name}_b" for name in READING)]
+    values = {name: asked.pop(name) for name in names if name in asked}
+    return {name: value for name, value in values.items() if value is not None}
+
+
 feed_option = click.option(
     "--feed", "feed_um", type=LENGTH, help="Cutting speed, a length a minute: tells the time."
 )
@@ -193,7 +248,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         WrongUse: options that do not fit together.
     """
     from wedmcam.ir.plan import Order, Side
-    from wedmcam.options import Options, WrongUse
+    from wedmcam.options import READING, Options, WrongUse
 
     offset = asked["offset_um"]
     wire, gap = asked["wire_um"], asked["gap_um"]
@@ -235,6 +290,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         backwards=asked["backwards"],
         d=asked.get("d", ()),
         wishes=wishes_of(asked),
+        **{name: asked.get(name) for name in READING},
     )
 
 
@@ -299,6 +355,21 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
     return api.machine_for(to, machine)
 
 
+def profile_in(asked: dict[str, Any], typed: set[str]) -> str | None:
+    """Return the profile of the program that is read: ``--profile-in``, else ``--profile``.
+
+    Raises:
+        WrongUse: two are given for one program.
+    """
+    from wedmcam.options import WrongUse
+
+    named: str | None = asked.pop("profile_in")
+    profile: str | None = asked["profile"]
+    if {"profile", "profile_in"} <= typed and named != profile:
+        raise WrongUse("--profile and --profile-in name two profiles of one program: give one")
+    return profile if named is None or "profile" in typed else named
+
+
 #: Options of which the certificate says more than whether they were given.
 _ISSUED = {
     "sharp": ("convex", {True: "sharp"}),
@@ -330,24 +401,6 @@ def as_issued(
             value = getattr(issued, field)
             made[name] = words[value] if words else value
     return made
-
-
-def machine_issued(certificate: dict[str, Any]) -> Machine:
-    """Return the machine that a certificate was issued for; it holds what is not built in.
-
-    Raises:
-        WrongUse: it names a profile that is not there.
-    """
-    from wedmcam import machines
-    from wedmcam.options import WrongUse
-
-    name, text = certificate["profile"], certificate.get("profile_toml")
-    if text is None:
-        return machine_of(name, None)
-    machine, found = machines.parse(str(text), str(name))
-    if machine is None:
-        raise WrongUse(f"the certificate's profile '{name}' cannot be used: {found[0].message}")
-    return machine
 
 
 def check_source(name: str, from_: str | None) -> None:

@@ -31,8 +31,8 @@ def config_command(group: click.Group) -> Configured:
         {settings.NAME} under its long name: beside the input or in a folder above it, or in the
         user's configuration folder. What is nearer wins, and what is typed wins over all. Lengths
         are text with a unit ("0.1mm") or mm; what can be repeated takes a list; a flag takes true
-        or false. Commands that only read programs (convert, diff, dump, explain) take "profile" and
-        "d" of it.
+        or false. Commands that only read programs (convert, diff, dump, explain) take "profile",
+        "profile-in", "d" and what is said of programs ("units-in", "whole-in", ...) of it.
         """,
     )
 
@@ -74,7 +74,7 @@ def _rows(ctx: click.Context, made: InForce) -> Iterator[dict[str, Any]]:
         setting = made.settings.get(key)
         row: dict[str, Any] = {"key": key}
         if setting is not None:
-            row["value"] = setting.value if key == "profile" else setting.written
+            row["value"] = setting.value if key in settings.PROFILES else setting.written
             row |= {"from": "file", "file": setting.span.file, "line": setting.span.line}
         elif settings.is_typed(ctx, option):
             row |= {"value": _typed(option, made.params[str(option.name)]), "from": "option"}

@@ -20,7 +20,6 @@ from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_
 @click.option("-o", "--output", required=True, help="Where the other program goes; - for stdout.")
 @click.option("--to", metavar="FORMAT", help="Of the output; by default from its name.")
 @click.option("--format", "format_", metavar="FORMAT", help="Of PROGRAM; else by name, content.")
-@click.option("--profile-in", metavar="NAME|FILE", help="Profile of PROGRAM.")
 @click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
 @click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99.")
 @click.option("--angle", type=float, default=0.0, help="Degrees from copy to copy.")
@@ -32,6 +31,7 @@ from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_
     help="Of such a file: part outwards, die inwards.",
 )
 @ask.d_option
+@ask.reading_options
 @click.option("--json", "json_", is_flag=True, help="Summary as JSON on standard output.")
 @click.option("--strict", is_flag=True, help="Warnings are errors: nothing may get lost.")
 @click.option("-q", "--quiet", is_flag=True, help="Errors only.")
@@ -50,6 +50,7 @@ def convert_command(
     json_: bool,
     strict: bool,
     quiet: bool,
+    **asked: Any,
 ) -> int:
     """One program format into another, from the path that its controller steps.
 
@@ -82,9 +83,11 @@ def convert_command(
             to=target or (machine.format if machine else None),
             profile=machine,
             profile_in=machine_in,
+            format=format_,
             name=name,
             strict=strict,
             entered=Entered(copies, angle, gap_um, side == "part", d),
+            **ask.said_of(asked),
         )
     say.say_findings(made.findings, name, quiet)
     if made.data is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -25,6 +25,9 @@ from wedmcam.cli.lengths import LENGTH, POINT
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import Configured, ReadsPrograms, also_read, machine_for, typed
+
+if TYPE_CHECKING:
+    from wedmcam.diag import Diagnostic
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -265,6 +268,7 @@ def batch_command(
     "must be images of each other.",
 )
 @ask.d_option
+@ask.reading_options
 @ask.compile_options
 @ask.feed_option
 @ask.said_options
@@ -290,10 +294,8 @@ def verify_command(
         asked = ask.as_issued(asked, issued, typed(click.get_current_context()))
     options = ask.options_of(asked)
     machine = None
-    if asked["profile"] or format_:
-        machine = ask.machine_of(asked["profile"], format_)
-    elif issued is not None and issued.get("profile"):
-        machine = ask.machine_issued(issued)
+    if named := ask.profile_in(asked, typed(click.get_current_context())):
+        machine = ask.machine_of(named, format_)
     outputs = [name for name in (plot_, None if issued else certificate) if name is not None]
     context = click.get_current_context()
     check_outputs([program, *([against] if against else []), *also_read(context)], outputs)
@@ -308,6 +310,7 @@ def verify_command(
             data,
             against=drawing,
             profile=machine,
+            format=format_,
             name=_name(program),
             against_name=against,
             origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
@@ -402,6 +405,8 @@ def _say_proof(proof: Any, verbose: bool) -> None:
 @click.option("--profile", metavar="NAME|FILE", help="Of the first; by name and content else.")
 @click.option("--profile-b", metavar="NAME|FILE", help="Of the second.")
 @ask.d_option
+@ask.reading_options
+@ask.reading_options_b
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Only the exit status.")
 def diff_command(
@@ -410,9 +415,11 @@ def diff_command(
     within_um: float,
     profile: str | None,
     profile_b: str | None,
+    profile_in: str | None,
     d: tuple[tuple[int, float], ...],
     json_: bool,
     quiet: bool,
+    **asked: Any,
 ) -> int:
     """Two programs, any formats, compared as step paths.
 
@@ -422,7 +429,7 @@ def diff_command(
     from wedmcam import api
     from wedmcam.cli import say
 
-    machines = (machine_for(a, profile), machine_for(b, profile_b))
+    machines = (machine_for(a, profile or profile_in), machine_for(b, profile_b or profile_in))
     try:
         one, two = read_program(a), read_program(b)
     except Failed as why:
@@ -435,12 +442,13 @@ def diff_command(
             names=(_name(a), _name(b)),
             profiles=machines,
             d=d,
+            **ask.said_of(asked),
         )
     if found is None:
         say.say_findings(said, a)
         return 2
     if not quiet:
-        say.say_findings([d for d in said if d.code == "no-gap"], a)
+        say.say_findings([d for d in said if d.code in ("no-gap", "iso-stated")], a)
     if json_:
         say.say_json(api.difference_data(found, a, b))
     elif not quiet:
@@ -501,6 +509,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
 )
 @click.option("--contours", is_flag=True, help="Only what was drawn; nothing is compiled.")
 @ask.d_option
+@ask.reading_options
 @ask.compile_options
 @ask.said_options
 def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
@@ -520,17 +529,22 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     name = _name(input_)
     made: Any
     is_program = Path(input_).suffix.lower() in FORMAT_OF_SUFFIX or _is_program(data)
-    machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
+    named = asked["profile"]
     if is_program:
+        named = ask.profile_in(asked, typed(click.get_current_context()))
         ask.warn_of_idle({*ask.DRAWING_NAMES, *ask.PATH_NAMES}, f"{name} is a program as it stands")
     elif contours:
         ask.warn_of_idle(ask.PATH_NAMES, "with --contours nothing is compiled")
+    machine = ask.machine_of(named, None) if named else None
     if contours and not is_program:
         asked |= {"side": None, "offset_um": None, "wire_um": None, "gap_um": None}
-    options = Options(d=asked["d"]) if is_program else ask.options_of(asked)
+    said = ask.said_of(asked)
+    options = Options(d=asked["d"], **said) if is_program else ask.options_of(asked)
+    # A picture shows the program; a drawing is one to cut by.
+    shown = Path(output).suffix.lower() != ".dxf"
     with waiting(f"drawing {name}"):
         if is_program:
-            made = api.verify(data, profile=machine, name=name, options=options)
+            made = api.verify(data, profile=machine, name=name, options=options, shown=shown)
         elif contours:
             made = api.inspect(data, name=name, options=options)
         else:
@@ -586,14 +600,29 @@ def identify_command(file: str, json_: bool) -> int:
     from wedmcam.cli.tables import identification
     from wedmcam.frontends.identify import identify
 
-    seen = identify(read_input(file))
+    data = read_input(file)
+    seen = identify(data)
+    found = _unsaid(data, file) if seen.format == "iso" else []
+    say.say_findings(found, file)
     if json_:
-        say.say_json({"file": file, **identification(seen)})
+        from wedmcam.judge.certificate import finding_data
+
+        unsaid = [finding_data(d) for d in found]
+        say.say_json({"file": file, **identification(seen), "diagnostics": unsaid})
     else:
         from wedmcam.cli.tables import memory_of
 
         click.echo(f"{file}: {seen.reason}{memory_of(seen)}")
     return 1 if seen.format in ("unknown", "empty") else 0
+
+
+def _unsaid(data: bytes, file: str) -> list[Diagnostic]:
+    """Return what an ISO program leaves open to its machine."""
+    from wedmcam import api
+    from wedmcam.frontends.dialect import QUESTIONS
+
+    _, _, found = api.read_program(data, format="iso", name=_name(file), shown=True)
+    return [d for d in found if d.code in QUESTIONS]
 
 
 @cli.command("dump", cls=ReadsPrograms, short_help="The blocks of a program.")
@@ -606,13 +635,16 @@ def identify_command(file: str, json_: bool) -> int:
 )
 @ask.machine_options
 @ask.d_option
+@ask.reading_options
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 def dump_command(
     file: str,
     format_: str | None,
     profile: str | None,
+    profile_in: str | None,
     d: tuple[tuple[int, float], ...],
     json_: bool,
+    **asked: Any,
 ) -> int:
     """The blocks of a program, with their addresses and where they end."""
     from wedmcam import api
@@ -622,10 +654,16 @@ def dump_command(
     from wedmcam.entered import Entered
     from wedmcam.frontends.dump import stated
 
-    machine = machine_for(file, profile, format_)
+    machine = machine_for(file, profile_in or profile, format_)
     data = read_program(file)
     program, used, found = api.read_program(
-        data, profile=machine, name=_name(file), entered=Entered(d=d)
+        data,
+        profile=machine,
+        format=format_,
+        name=_name(file),
+        entered=Entered(d=d),
+        shown=True,
+        **ask.said_of(asked),
     )
     say.say_findings(found, _name(file))
     if program is None:
@@ -647,12 +685,15 @@ def dump_command(
 @click.option("--block", type=click.IntRange(1), metavar="N", help="Explain this block of FILE.")
 @ask.machine_options
 @ask.d_option
+@ask.reading_options
 def explain_command(
     what: str | None,
     list_: bool,
     block: int | None,
     profile: str | None,
+    profile_in: str | None,
     d: tuple[tuple[int, float], ...],
+    **asked: Any,
 ) -> int:
     """A diagnostic; or one block of a program: geometry, quadrant, count axis, J, first steps."""
     from wedmcam.cli.explain import explained, listed, unknown
@@ -663,7 +704,7 @@ def explain_command(
     if what is None:
         raise click.UsageError("give a CODE, FILE --block N, or --list")
     if block is not None:
-        return _explain_block(what, block, profile, d)
+        return _explain_block(what, block, profile_in or profile, d, ask.said_of(asked))
     text = explained(what)
     if text is None:
         raise click.UsageError(unknown(what))
@@ -672,22 +713,28 @@ def explain_command(
 
 
 def _explain_block(
-    file: str, number: int, profile: str | None, d: tuple[tuple[int, float], ...]
+    file: str,
+    number: int,
+    profile: str | None,
+    d: tuple[tuple[int, float], ...],
+    said: dict[str, str],
 ) -> int:
     from wedmcam import api
     from wedmcam.cli import say
     from wedmcam.cli.block import explain_block
     from wedmcam.entered import Entered
+    from wedmcam.frontends.dialect import QUESTIONS
 
     machine = machine_for(file, profile)
     data = read_program(file)
     program, used, found = api.read_program(
-        data, profile=machine, name=_name(file), entered=Entered(d=d)
+        data, profile=machine, name=_name(file), entered=Entered(d=d), shown=True, **said
     )
     if program is None:
         say.say_findings(found, _name(file))
         return 1
-    say.say_findings([d for d in found if d.code == "no-gap"], _name(file))
+    told = QUESTIONS | {"no-gap", "iso-stated"}
+    say.say_findings([d for d in found if d.code in told], _name(file))
     if number > len(program.blocks):
         raise click.UsageError(f"{file} has {len(program.blocks)} blocks, there is no {number}")
     for line in explain_block(program, used, data, number):

@@ -30,6 +30,8 @@ NAME = "wedmcam.toml"
 COMMANDS = ("compile", "check", "batch", "verify", "inspect", "plot")
 #: Under this name a context keeps what is in force.
 META = "wedmcam.settings"
+#: Keys that name profiles.
+PROFILES = ("profile", "profile-in")
 #: Options that each say how far the wire is from the outline: the nearest level decides.
 OFFSETS = frozenset({"offset", "wire", "gap"})
 
@@ -269,7 +271,7 @@ def _checked(key: str, value: Any, folder: Path) -> Any:
     Raises:
         ValueError: no such format or profile.
     """
-    if key == "profile":
+    if key in PROFILES:
         return _profile(value, folder)
     if key in ("to", "from"):
         from wedmcam.options import PROGRAM_FORMATS, SOURCE_FORMATS
@@ -373,7 +375,7 @@ def in_force(
         key: option
         for option in command.params
         if (key := key_of(option)) and isinstance(option, click.Option) and option.expose_value
-        if key == "d" or not isinstance(command, ReadsPrograms)
+        if key in _of_programs() or not isinstance(command, ReadsPrograms)
     }
     typed = {key: given[str(o.name)] for key, o in options.items() if is_typed(ctx, o)}
     taken: dict[str, Any] = dict(typed)
@@ -397,6 +399,13 @@ def in_force(
     return made
 
 
+def _of_programs() -> set[str]:
+    """Return the keys that say how programs are read, whatever their format."""
+    from wedmcam.options import READING
+
+    return {"d", *(name.replace("_", "-") for name in READING)}
+
+
 def is_typed(ctx: click.Context, option: click.Parameter) -> bool:
     """Return whether an option was given on the command line."""
     return ctx.get_parameter_source(str(option.name)) not in (ParameterSource.DEFAULT, None)
@@ -410,9 +419,9 @@ def typed(ctx: click.Context) -> set[str]:
 def also_read(ctx: click.Context) -> list[str]:
     """Return the files beside its inputs that a command reads: no output may overwrite them."""
     made: InForce = ctx.meta[META]
-    profile = made.params.get("profile")
-    named = [profile] if profile and Path(profile).suffix.lower() == ".toml" else []
-    return [file.name for file in made.files] + named
+    named = [made.params.get(key.replace("-", "_")) for key in PROFILES]
+    profiles = [name for name in named if name and Path(name).suffix.lower() == ".toml"]
+    return [file.name for file in made.files] + profiles
 
 
 def _aside(
@@ -431,7 +440,7 @@ def _aside(
         return "an offset is given"
     if key == "to" and (named := _format_of_name(params)):
         return f"the output's name says {named}"
-    if key == "profile":
+    if key in PROFILES:
         return _unfit_profile(setting, nearer, params)
     return ""
 
@@ -449,6 +458,8 @@ def _unfit_profile(setting: Setting, nearer: Mapping[str, Any], params: Mapping[
 
     named = setting.written
     wanted = nearer.get("to") or nearer.get("format") or _format_of_name(params)
+    if setting.key == "profile-in":
+        wanted = nearer.get("format")
     if wanted is None:
         wanted = _format_of_program(params)
     if wanted is None:
@@ -530,8 +541,9 @@ class Configured(click.Command):
 class ReadsPrograms(Configured):
     """A command that reads programs and compiles none.
 
-    Of the settings it takes ``d``; the profile is asked for each program (`profile_for`), as a shop
-    has machines of several formats. A command that is given no program takes none.
+    Of the settings it takes ``d`` and what is said of programs that are read; the profile is asked
+    for each program (`profile_for`), as a shop has machines of several formats. A command that is
+    given no program takes none.
     """
 
     def made(self, ctx: click.Context, folder: Path) -> InForce:
@@ -541,13 +553,12 @@ class ReadsPrograms(Configured):
         return super().made(ctx, folder)
 
 
-def profile_for(format_: str | None) -> Setting | None:
+def profile_for(format_: str | None, keys: Iterable[str] = ("profile",)) -> Setting | None:
     """Return the nearest setting of a profile that is for a format; for any where it is None."""
     from wedmcam.cli import asked as ask
 
     made: InForce = click.get_current_context().meta[META]
-    for file in made.files:
-        setting = file.settings.get("profile")
+    for setting in (file.settings.get(key) for file in made.files for key in keys):
         if setting and format_ in (None, ask.machine_of(setting.value, None).format):
             return setting
     return None
@@ -561,9 +572,10 @@ def machine_for(program: str, profile: str | None, format_: str | None = None) -
     """
     from wedmcam.cli import asked as ask
 
-    if profile or format_:
+    if profile:
         return ask.machine_of(profile, format_)
-    setting = profile_for(_format_of_program({"program": program}) or "none")
+    wanted = format_ or _format_of_program({"program": program}) or "none"
+    setting = profile_for(wanted, reversed(PROFILES))
     return ask.machine_of(setting.value, None) if setting else None
 
 

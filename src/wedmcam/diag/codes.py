@@ -718,9 +718,37 @@ CODES: dict[str, Code] = {
         "Nothing is needed; writing the program again makes arcs that end exactly.",
     ),
     "iso-units": Code(
-        "A whole number in an ISO program of which the unit is in doubt.",
-        "Read as um instead of mm the part is a thousand times too small.",
-        "Give --profile iso-mm where whole numbers are mm; write inches with a point.",
+        "A number in an ISO program of which the unit is in doubt: nothing says what 1 is.",
+        "Read as um instead of mm the part is a thousand times too small, as mm for inch 25 times.",
+        "Say it: --whole-in for numbers without a point, --units-in for those with one where no "
+        "G20 or G21 stands; or name the profile of the machine, --profile-in.",
+    ),
+    "iso-coordinates": Code(
+        "An ISO program moves before it says G90 or G91.",
+        "Numbers that are places to one machine are ways to the next: another path is cut.",
+        "Say it: --coordinates-in absolute or incremental; or --profile-in.",
+    ),
+    "iso-centres": Code(
+        "Nothing in an ISO program proves whether I and J lead from the start or are a place.",
+        "A full circle fits both rules, and they are two circles of different size and place.",
+        "Say it: --centres-in start or absolute; or --profile-in.",
+    ),
+    "iso-semicolon": Code(
+        "Text behind a semicolon in an ISO program reads as words.",
+        "To one controller a semicolon ends the block, to the next it begins a comment: motions "
+        "would be left out, or comments cut.",
+        "Say it: --semicolon-in block or comment.",
+    ),
+    "iso-stated": Code(
+        "An ISO program itself says otherwise what an option says of it.",
+        "The machine obeys the program; the option had no effect.",
+        "Leave the option out, or correct the program.",
+    ),
+    "subprogram": Code(
+        "An ISO program calls, repeats or ends a subprogram (M98, M99, M97, M198, M199, L, P).",
+        "The lines of a subprogram are cut where it is called, as often as it is called; wedmcam "
+        "does not run subprograms yet, and in the order of the file they are another path.",
+        "Write the lines of the subprogram in the place of each call.",
     ),
     "iso-skip": Code(
         "A block that the operator may skip (/).",

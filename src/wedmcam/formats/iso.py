@@ -25,6 +25,9 @@ MOTION = (0, 1, 2, 3)
 NOTHING_NEW = (17, 64, 94, 95)
 PAUSES = (0, 1)
 ENDS = (2, 30)
+#: M codes that call or end a subprogram: M97 of Haas, M98 and M99 of all, M198 and M199 of an
+#: outer or a later one. They are refused: what they run is not in its place.
+SUBPROGRAMS = (97, 98, 99, 198, 199)
 
 #: nanometres of one unit with a point.
 NM_OF_MM = 1_000_000
@@ -34,8 +37,8 @@ NM_OF_INCH = 25_400_000
 def is_word(text: str) -> bool:
     """Return whether a control word can stand in a program and be read as that word.
 
-    >>> is_word("M50"), is_word("M00"), is_word("QUENCH")
-    (True, False, False)
+    >>> is_word("M50"), is_word("M00"), is_word("M98"), is_word("QUENCH")
+    (True, False, False, False)
     """
     match = re.fullmatch(r"M(\d{1,4})", text)
-    return bool(match) and int(match[1]) not in PAUSES + ENDS if match else False
+    return bool(match) and int(match[1]) not in PAUSES + ENDS + SUBPROGRAMS if match else False

@@ -7,7 +7,7 @@ else a warning; nothing is dropped in silence.
 
 Where the controller offsets the path itself (G41, G42), `read` gives the outline as it stands there
 with the offsets of a table; what the controller makes of it is for the shell to apply. `decode`
-reads programs that need no table.
+reads programs that need no table. What a file does not say itself, and who says it: `dialect`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
 from wedmcam.formats import b3, iso
 from wedmcam.formats.listing import in_order, listed
+from wedmcam.frontends import dialect as dialects
 from wedmcam.frontends.compensation import Modes, Runs, Table, runs_of
+from wedmcam.frontends.dialect import UNSAID, Dialect, Question
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.words import Words, words_of
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
@@ -33,20 +35,22 @@ Floats = NDArray[np.float64]
 
 #: Coordinates beyond this are an error, nm: a kilometre.
 _MOST_NM = 10**12
-_MODES = {90: "distance", 91: "distance", 20: "inch", 21: "inch", 70: "inch", 71: "inch"}
+#: Codes of findings on a path: another unit or rule has others.
+_DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 
 
 class _Reader:
     """Findings of one text, and its lines as columns."""
 
-    def __init__(self, data: bytes, machine: Machine, file: str) -> None:
+    def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
-        self.machine, self.file = machine, file
-        self.words: Words = words_of(self.plain.codes)
+        self.machine, self.file, self.dialect = machine, file, dialect
+        self.words: Words = words_of(self.plain.codes, dialect.semicolon == "block")
         self.lines = len(self.words.line_start)
         size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
         self.spans = TextSpans(file, self.plain.codes, self.words.line_start, size)
         self.found: list[tuple[int, Diagnostic]] = []
+        self.questions: list[Question] = []
         self.bad: Bools = np.zeros(self.lines, bool)
 
     def tell_words(
@@ -88,6 +92,16 @@ class _Reader:
         if severity is Severity.ERROR:
             self.bad[where] = True
 
+    def findings(self) -> list[Diagnostic]:
+        """Return what was found: what had to be assumed or asked first, then all by its place."""
+        questions = sorted(self.questions, key=lambda q: q.at)
+        shown = self.dialect.shown
+        asked = [q.finding(self.spans, shown) for q in questions]
+        found = in_order(self.found)
+        if asked and not shown:  # what depends on the answers is said with them
+            found = [d for d in found if d.code not in _DEPEND]
+        return [*asked, *found]
+
 
 def _filled(values: Ints, has: Bools, start: int) -> Ints:
     """Return a mode for every line: the last one that was set."""
@@ -95,13 +109,16 @@ def _filled(values: Ints, has: Bools, start: int) -> Ints:
     return np.where(last >= 0, values[np.maximum(last, 0)], start)
 
 
-def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
+def decode(
+    data: bytes, machine: Machine, file: str, dialect: Dialect | None = None
+) -> tuple[Program, list[Diagnostic]]:
     """Return the program that an ISO file states, as its controller steps it.
 
     Args:
         data: any bytes; never raises.
         machine: an ISO profile: what whole numbers are, and the line table.
         file: name for the spans.
+        dialect: what is said beside the file; None: the machine is known, and says it.
 
     Returns:
         A block a motion, with the micron or two that an arc is completed by as a line of its own;
@@ -109,12 +126,16 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
         two pauses is a move, like G00. ``spans[i]`` is the line. G41 and G42 are refused: where
         they lead depends on a table.
     """
-    made, found = read(data, machine, file)
+    made, found = read(data, machine, file, dialect=dialect)
     return made.program, found
 
 
 def read(
-    data: bytes, machine: Machine, file: str, table: Table | None = None
+    data: bytes,
+    machine: Machine,
+    file: str,
+    table: Table | None = None,
+    dialect: Dialect | None = None,
 ) -> tuple[Programmed, list[Diagnostic]]:
     """Return the program of an ISO file, with outlines where the controller is to offset.
 
@@ -124,8 +145,9 @@ def read(
         file: name for the spans.
         table: D number -> offset, um, as entered at the controller. A motion whose D is 0 um is
             stepped as it stands. None: G41 and G42 are refused, with the D numbers used.
+        dialect: as for `decode`.
     """
-    r = _Reader(data, machine, file)
+    r = _Reader(data, machine, file, dialect or Dialect())
     w = r.words
     _tell_text(r)
     g, m = w.letter == ord("G"), w.letter == ord("M")
@@ -174,18 +196,20 @@ def read(
     other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8))
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
     r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
+    calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
     r.tell_words(
         warn,
         "iso-ignored",
-        other & ~third,
+        other & ~third & ~calls,
         "not read: it changes no path",
         "feed, generator and offset tables are set at the machine",
     )
-    distance = _filled(*modal["distance"], 91 if machine.iso.coordinates == "incremental" else 90)
+    distance = _filled(*modal["distance"], UNSAID)
     motion = _filled(*modal["motion"], -1)
-    inches = _filled(*modal["inch"], 0)
+    inches = _filled(*modal["inch"], UNSAID)
     reset = modal["g92"][1]
-    return _program(r, axes, distance, motion, inches, reset, m, modes)
+    calls |= m & np.isin(code, iso.SUBPROGRAMS)
+    return _program(r, axes, distance, motion, inches, reset, m, np.flatnonzero(calls), modes)
 
 
 def _modes(
@@ -225,6 +249,10 @@ def _modes(
 def _tell_text(r: _Reader) -> None:
     """Report comments, characters that are no words, and optional blocks."""
     w = r.words
+    if w.comments and r.dialect.semicolon is None:
+        # No profile says what stands behind a semicolon, but for lines that it writes itself.
+        own = r.machine.layout if r.dialect.named else None
+        r.questions += dialects.of_semicolons(w, r.plain, own)
     texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
     for a, b in texts[:1]:
         what = f"comment: {r.plain.excerpt(a, b)}"
@@ -276,16 +304,31 @@ def _column(r: _Reader, letter: str) -> tuple[Ints, Bools, Bools, Ints]:
 
 
 def _lengths(
-    r: _Reader, axes: dict[str, tuple[Ints, Bools, Bools, Ints]], inches: Ints
+    r: _Reader,
+    axes: dict[str, tuple[Ints, Bools, Bools, Ints]],
+    inches: Ints,
+    used: tuple[Bools, Bools],
+    stop_line: int,
 ) -> dict[str, Ints]:
-    """Return the lengths of each letter in nm; 0 where there are none."""
-    um = r.machine.iso.integers == "um"
+    """Return the lengths of each letter in nm; 0 where there are none.
+
+    ``used``: lines of which X and Y, and of which I, J and R lead somewhere.
+    """
+    said, how = r.dialect, r.machine.iso
+    um = how.integers == "um"
+    in_inch = (inches == 1) | ((inches == UNSAID) & (said.units_nm == iso.NM_OF_INCH))
+    point = np.where(inches == 1, iso.NM_OF_INCH, iso.NM_OF_MM)
+    if said.units_nm is not None:
+        point = np.where(inches == UNSAID, said.units_nm, point)
+    if said.whole_nm is not None:
+        last = np.full(r.lines, said.whole_nm)
+    else:
+        last = np.where(in_inch, dialects.INCH_DIGIT_NM, 1000 if um else iso.NM_OF_MM)
     out = {}
     bare = np.zeros(r.lines, bool)
     some_pointed = False
     for name, (value, has, pointed, decimals) in axes.items():
-        unit = np.where(inches == 1, iso.NM_OF_INCH, iso.NM_OF_MM)
-        unit = np.where(~pointed & (inches == 0) & um, 1000, unit)
+        unit = np.where(pointed, point, last)
         exact = value.astype(np.float64) * unit / 10.0**decimals
         large = np.abs(exact) > _MOST_NM
         r.tell_lines(
@@ -302,23 +345,63 @@ def _lengths(
         out[name] = np.where(large | ~has, 0, nm)
         bare |= has & ~pointed & (value != 0)
         some_pointed |= bool(np.any(has & pointed))
-    mixed = np.flatnonzero(bare & (inches == 1))
+    if not said.named or said.units_nm is not None:
+        _ask_units(r, inches, in_inch, used, stop_line)
+    if not said.named or said.whole_nm is not None:
+        return out
+    mixed = np.flatnonzero(bare & in_inch)
     r.tell_lines(
         Severity.ERROR,
         "iso-units",
         mixed,
-        lambda i: "a whole number in inches: nobody knows what its last digit is",
-        "write inches with a point",
+        lambda i: "a whole number in inches: what its last digit is stands nowhere",
+        "write inches with a point, or give --whole-in 0.0001in",
     )
     if some_pointed and bare.any() and um:
         r.tell_lines(
             Severity.WARNING,
             "iso-units",
-            np.flatnonzero(bare & (inches == 0)),
+            np.flatnonzero(bare & ~in_inch),
             lambda i: "whole numbers are read as um here, and others in this file have a point: mm",
-            'if they are mm, read the program with a profile of integers = "mm" (iso-mm)',
+            'if they are mm, give --whole-in mm, or a profile of integers = "mm" (iso-mm)',
         )
     return out
+
+
+def _ask_units(
+    r: _Reader, inches: Ints, in_inch: Bools, used: tuple[Bools, Bools], stop_line: int
+) -> None:
+    """Ask for units that nothing says, and warn of an answer that the file gives otherwise."""
+    w, said = r.words, r.dialect
+    lengths = w.good & (w.whole != 0) & (w.line <= stop_line)
+    letters = [np.isin(w.letter, np.frombuffer(k, np.uint8)) for k in (b"XY", b"IJR")]
+    lengths &= (letters[0] & used[0][w.line]) | (letters[1] & used[1][w.line])
+    if said.is_open(said.whole_nm):
+        whole = np.flatnonzero(lengths & ~w.pointed)
+        r.questions += dialects.of_whole(
+            whole, w, r.plain, in_inch[w.line[whole]], r.machine.iso.integers
+        )
+    if said.is_open(said.units_nm):
+        unsaid = np.flatnonzero(lengths & w.pointed & (inches[w.line] == UNSAID))
+        r.questions += dialects.of_units(unsaid, w, r.plain)
+    elif said.units_nm is not None:
+        pointed = np.flatnonzero(lengths & w.pointed)
+        stated = inches[w.line[pointed]]
+        if len(pointed) and not (stated == UNSAID).any():
+            nm = np.where(stated == 1, iso.NM_OF_INCH, iso.NM_OF_MM)
+            other = w.line[pointed[nm != said.units_nm]][:1]
+            _tell_stated(r, other, "G20 or G21", "--units-in")
+
+
+def _tell_stated(r: _Reader, line: Ints, code: str, option: str) -> None:
+    """Warn that the file says itself, and otherwise, what an option says."""
+    r.tell_lines(
+        Severity.WARNING,
+        "iso-stated",
+        line,
+        lambda i: f"{code} is in force here: {option} says otherwise, and has no effect",
+        f"leave {option} out, or correct the program",
+    )
 
 
 def _program(
@@ -329,14 +412,23 @@ def _program(
     inches: Ints,
     reset: Bools,
     m: Bools,
+    calls: Ints,
     modes: Modes | None,
 ) -> tuple[Programmed, list[Diagnostic]]:
     w = r.words
-    nm = _lengths(r, axes, inches)
     has = {k: axes[k][1] for k in axes}
     curved = (motion >= 2) & ~reset
     centred = has["I"] | has["J"]
     moves = (has["X"] | has["Y"] | (curved & (centred | has["R"]))) & ~reset
+    # M words end at which line? What follows is not read.
+    m_rows = np.flatnonzero(m)
+    codes, m_lines = w.whole[m_rows], w.line[m_rows]
+    stop = m_rows[np.isin(codes, iso.ENDS)][:1]
+    stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
+    calls = calls[w.line[calls] <= stop_line]
+    r.questions += dialects.of_subprograms(calls, w, r.plain)
+    nm = _lengths(r, axes, inches, (moves | reset, curved), stop_line)
+    distance = _distance(r, distance, moves & (has["X"] | has["Y"]), stop_line)
     r.tell_lines(
         Severity.ERROR,
         "iso-code",
@@ -349,7 +441,7 @@ def _program(
         np.flatnonzero((centred | has["R"]) & ~curved & ~reset),
         lambda i: "a centre or a radius without G02 or G03",
     )
-    ends_nm, starts_nm = {}, {}
+    ends_nm, starts_nm, befores = {}, {}, {}
     for k in "XY":
         absolute = (distance == 90) & has[k] & moves
         sets = absolute | (reset & has[k])
@@ -361,12 +453,8 @@ def _program(
         before = np.concatenate([[0], work[:-1]])
         place = np.cumsum(np.where(reset, 0, work - before))
         ends_nm[k], starts_nm[k] = place, np.concatenate([[0], place[:-1]])
+        befores[k] = before
 
-    # M words end at which line? What follows is not read.
-    m_rows = np.flatnonzero(m)
-    codes, m_lines = w.whole[m_rows], w.line[m_rows]
-    stop = m_rows[np.isin(codes, iso.ENDS)][:1]
-    stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
     late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
     if len(late):
         what = f"{len(late)} blocks behind the end (M02) are not run"
@@ -383,13 +471,16 @@ def _program(
         for k in "XY":
             still &= _grid(starts_nm[k][rows]) == _grid(ends_nm[k][rows])
         runs = runs_of(r, rows, motion[rows], still & (motion[rows] < 2), modes)
-    blocks, block_line, motions = _blocks(r, rows, motion, nm, has, starts_nm, ends_nm, runs)
+    # How far the zero of I and J lies from the start of each arc, were they places (G90).
+    away = {k: np.where(distance == 90, befores[k], 0) for k in "XY"}
+    blocks, block_line, motions = _blocks(r, rows, motion, nm, has, starts_nm, ends_nm, away, runs)
 
     unknown = np.zeros(len(w.letter), bool)
     kinds = np.full(len(m_rows), int(Kind.WORD))
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
     kinds[np.isin(codes, iso.ENDS)] = Kind.STOP
-    unknown[m_rows[(kinds == Kind.WORD) & (m_lines <= stop_line)]] = True
+    plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
+    unknown[m_rows[plain_word & (m_lines <= stop_line)]] = True
     r.tell_words(
         Severity.WARNING,
         "unknown-word",
@@ -419,7 +510,26 @@ def _program(
     if not len(rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
         what = "no ISO record with a motion in this file"
         r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
-    return Programmed(Program(every, spans=spans, words=words), mark, motions), in_order(r.found)
+    return Programmed(Program(every, spans=spans, words=words), mark, motions), r.findings()
+
+
+def _distance(r: _Reader, stated: Ints, moves: Bools, stop_line: int) -> Ints:
+    """Return 90 or 91 for every line, as the file, an option or the profile says, or ask."""
+    said, profile = r.dialect, r.machine.iso.coordinates
+    incremental = (said.coordinates or profile) == "incremental"
+    out = np.where(stated == UNSAID, 91 if incremental else 90, stated)
+    if said.named and said.coordinates is None:
+        return out
+    lines = np.flatnonzero(moves[: stop_line + 1])
+    unsaid = stated[lines] == UNSAID
+    if said.coordinates is None:
+        r.questions += dialects.of_coordinates(lines[unsaid], r.words, r.plain, incremental)
+    elif len(lines) and not unsaid.any():
+        other = lines[stated[lines] != (91 if incremental else 90)]
+        if len(other) == len(lines):
+            code = f"G{stated[lines[0]]}"
+            _tell_stated(r, other[:1], code, f"--coordinates-in {said.coordinates}")
+    return out
 
 
 def _grid(nm: Ints) -> Ints:
@@ -434,6 +544,7 @@ def _blocks(
     has: dict[str, Bools],
     starts_nm: dict[str, Ints],
     ends_nm: dict[str, Ints],
+    away: dict[str, Ints],
     runs: Runs | None,
 ) -> tuple[NDArray[np.void], Ints, NDArray[np.void]]:
     """Return the blocks of the motions in ``rows``, the line of each, and the motions of runs.
@@ -448,9 +559,14 @@ def _blocks(
         starts_nm["Y"][arcs] == ends_nm["Y"][arcs]
     )
     by_radius = has["R"][arcs]
-    exact = [(starts_nm[a][arcs] + nm[b][arcs]) / 1000.0 for a, b in ("XI", "YJ")]
-    cx = _grid(starts_nm["X"][arcs] + nm["I"][arcs])
-    cy = _grid(starts_nm["Y"][arcs] + nm["J"][arcs])
+    shifts = [away[k][arcs] for k in "XY"]
+    centres_nm = [starts_nm[a][arcs] + nm[b][arcs] for a, b in ("XI", "YJ")]
+    by_place = r.dialect.centres == "absolute"
+    if by_place:
+        centres_nm = [c - d for c, d in zip(centres_nm, shifts, strict=True)]
+        shifts = [-d for d in shifts]
+    exact = [c / 1000.0 for c in centres_nm]
+    cx, cy = map(_grid, centres_nm)
     both = by_radius & (has["I"] | has["J"])[arcs]
     neither = ~by_radius & ~(has["I"] | has["J"])[arcs]
     err = Severity.ERROR
@@ -461,6 +577,9 @@ def _blocks(
 
     tell(both, lambda i: "both a centre (I, J) and a radius R")
     tell(neither, lambda i: "an arc without a centre (I, J) or a radius R")
+    if by_place:
+        alone = (has["I"] ^ has["J"])[arcs] & ((shifts[0] != 0) | (shifts[1] != 0)) & ~both
+        tell(alone, lambda i: "I or J alone: the place of a centre is both")
     tell(
         by_radius & same_nm, lambda i: "R with an end that is the start: the centre may be anywhere"
     )
@@ -475,13 +594,27 @@ def _blocks(
         lambda i: "the centre is the start: the arc has no radius",
     )
     off = np.abs(reach - radius)
+    far = off > iso.END_UM
+    other = np.zeros(len(arcs), bool)
+    if r.dialect.is_open(r.dialect.centres) or far.any():
+        ends = [(starts_nm[k][arcs] / 1000.0, ends_nm[k][arcs] / 1000.0) for k in "XY"]
+        shifted = (np.hypot(*shifts) > 1000) & ~by_radius & ~neither
+        this = shifted & _fits(ends, exact)
+        other = shifted & _fits(ends, [c - d / 1000.0 for c, d in zip(exact, shifts, strict=True)])
+        both_fit = this & other & ~r.bad[arcs]
+        if r.dialect.is_open(r.dialect.centres) and both_fit.any() and not (this ^ other).any():
+            first = int(arcs[np.argmax(both_fit)])
+            r.questions += dialects.of_centres(first, int(both_fit.sum()), r.words, r.plain)
+    rule = "start" if by_place else "absolute"
     tell(
-        off > iso.END_UM,
+        far,
         lambda i: (
             f"the end lies {off[i]:.1f} um from the circle: the start is {radius[i] / 1000:.3f} mm "
             f"from the centre, the end {reach[i] / 1000:.3f} mm"
         ),
-        "check I and J: from the start to the centre, signed",
+        f"I and J fit as --centres-in {rule} reads them"
+        if (far & other).any()
+        else "check I and J: from the start to the centre, signed",
     )
     motions = np.zeros(0, PROGRAMMED)
     if runs is not None:
@@ -524,6 +657,14 @@ def _blocks(
     order = np.argsort(key, kind="stable")
     order = order[~still[order]]
     return every[order], key[order] // 2, motions
+
+
+def _fits(ends: list[tuple[Floats, Floats]], centre: list[Floats]) -> Bools:
+    """Return which arcs, from the first of ``ends`` to the second, a centre fits; um."""
+    (sx, ex), (sy, ey) = ends
+    start, end = (np.hypot(x - centre[0], y - centre[1]) for x, y in ((sx, sy), (ex, ey)))
+    fit: Bools = (np.abs(start - end) <= iso.END_UM) & (start >= 1.5)
+    return fit
 
 
 def _programmed(

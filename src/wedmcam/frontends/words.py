@@ -16,6 +16,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 _COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
+_BRACKETS = re.compile(rb"\([^)\n]*\)?")
 #: Digits of a number that are read; more do not fit 64 bits.
 DIGITS = 12
 
@@ -53,12 +54,18 @@ class Words:
     skipped: Ints
 
 
-def words_of(codes: bytes) -> Words:
-    """Return the words of a text of ``frontends.plain``."""
+def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
+    """Return the words of a text of ``frontends.plain``.
+
+    ``semicolon_ends``: a semicolon ends a line, and no comment begins behind it.
+    """
     comments: list[tuple[int, int]] = []
     if b"(" in codes or b";" in codes:
-        comments = [m.span() for m in _COMMENT.finditer(codes)]
-        codes = _COMMENT.sub(lambda m: b" " * len(m[0]), codes)
+        comment = _BRACKETS if semicolon_ends else _COMMENT
+        comments = [m.span() for m in comment.finditer(codes)]
+        codes = comment.sub(lambda m: b" " * len(m[0]), codes)
+        if semicolon_ends:
+            codes = codes.replace(b";", b"\n")
     every = np.frombuffer(codes, dtype=np.uint8)
     ends = np.append(np.flatnonzero(every == 10), len(every))
     # Percent signs open and end tapes; they are no part of any word.

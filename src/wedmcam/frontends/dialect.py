@@ -1,0 +1,252 @@
+"""What a G-code program leaves open to its machine, who says it, and what is asked where none does.
+
+X10 is 10 mm to one controller and 10 um to another; a line before the first G90 or G91 is a place
+to one and a way to the next. A file that does not say it itself is read as the user says, or as the
+profile that the user names says. Where neither says it, a guess would be another part: what writes
+or proves is refused with the question, what only shows goes on and says first what it assumed.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Severity
+from wedmcam.frontends.plain import Plain, TextSpans, plain
+from wedmcam.frontends.words import Words
+from wedmcam.machines import Layout
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+#: Of a line before the first G90 or G91; of one before the first G20, G21, G70 or G71.
+UNSAID = -1
+
+#: The last digit of a whole number in inches, where it has to be assumed: 0.0001 in, as most have.
+INCH_DIGIT_NM = 2540
+#: Codes of what a file leaves open: an answer is asked, or assumed.
+QUESTIONS = frozenset(
+    {"iso-coordinates", "iso-units", "iso-centres", "iso-semicolon", "subprogram"}
+)
+_NAME_IT = "--profile-in NAME|FILE of the machine it was written for"
+
+
+@dataclass(frozen=True, slots=True)
+class Dialect:
+    """What is said of a program beside its text; None where nobody says it.
+
+    Attributes:
+        coordinates: "absolute" or "incremental": before the first G90 or G91.
+        units_nm: what 1 is in a number with a point before the first G20 or G21, nm.
+        whole_nm: what 1 is in a number without a point, nm.
+        centres: "start": I and J lead from the start of an arc to its centre; "absolute": under
+            G90 they are the place of the centre.
+        semicolon: "comment" or "block": what stands behind ``;``.
+        named: the profile is one that was named. It says what it has keys for.
+        shown: the program is only shown: what is assumed is a warning, and no error.
+    """
+
+    coordinates: str | None = None
+    units_nm: int | None = None
+    whole_nm: int | None = None
+    centres: str | None = None
+    semicolon: str | None = None
+    named: bool = True
+    shown: bool = False
+
+    def is_open(self, said: str | int | None) -> bool:
+        """Return whether neither an option nor a profile says something."""
+        return said is None and not self.named
+
+
+# --- questions ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Something that a file leaves open.
+
+    Attributes:
+        code: of the finding.
+        at, length: where in the text it first matters.
+        what: what the file says there, and what it may mean.
+        assumed: as what it is read where it is only shown.
+        hint: the answers.
+        count: in how many places it matters.
+    """
+
+    code: str
+    at: int
+    length: int
+    what: str
+    assumed: str
+    hint: str
+    count: int = 1
+
+    def finding(self, spans: TextSpans, shown: bool) -> Diagnostic:
+        """Return the question as an error, or as a warning that says what was assumed."""
+        severity = Severity.WARNING if shown else Severity.ERROR
+        what = f"assumed: {self.assumed}. {self.what}" if shown else self.what
+        span = spans.at(self.at, self.length)
+        return Diagnostic(severity, self.code, what, span, hint=self.hint, count=self.count)
+
+
+def of_coordinates(lines: Ints, w: Words, text: Plain, incremental: bool) -> list[Question]:
+    """Return the question of lines with coordinates that stand before G90 and G91."""
+    if not len(lines):
+        return []
+    first = int(lines[0])
+    at, end = int(w.line_start[first]), int(w.line_end[first])
+    return [
+        Question(
+            "iso-coordinates",
+            at,
+            max(end - at, 1),
+            f"{text.excerpt(at, end)}: no G90 or G91 stands before it: a place (absolute, G90) "
+            "or a way (incremental, G91)?",
+            "incremental (G91)" if incremental else "absolute (G90)",
+            f"--coordinates-in absolute, or --coordinates-in incremental; or {_NAME_IT}",
+            len(lines),
+        )
+    ]
+
+
+def of_units(words: Ints, w: Words, text: Plain) -> list[Question]:
+    """Return the question of numbers with a point that stand before G20 and G21."""
+    return _of_words(
+        "iso-units",
+        words,
+        w,
+        text,
+        "a number with a point, and no G20 or G21 stands before it: mm or inch?",
+        "mm",
+        f"--units-in mm, or --units-in inch; or {_NAME_IT}",
+    )
+
+
+def of_whole(words: Ints, w: Words, text: Plain, inch: Bools, assumed: str) -> list[Question]:
+    """Return the question of numbers without a point; ``inch``: whether G20 is in force."""
+    if not len(words):
+        return []
+    first = abs(int(w.whole[words[0]]))
+    read = (
+        f"{first / 10_000:.4f} in or {first} in"
+        if inch[0]
+        else f"{first / 1000:.3f} mm or {first} mm"
+    )
+    digit = (
+        "--whole-in 0.0001in, or --whole-in inch" if inch[0] else "--whole-in um, or --whole-in mm"
+    )
+    return _of_words(
+        "iso-units",
+        words,
+        w,
+        text,
+        f"a number without a point: {read}?",
+        "its last digit is 0.0001 in" if inch[0] else f"whole numbers are {assumed}",
+        f"{digit}; or {_NAME_IT} (of wedmcam: iso-um, iso-mm), or in verify its --certificate",
+    )
+
+
+def _of_words(
+    code: str, words: Ints, w: Words, text: Plain, what: str, assumed: str, hint: str
+) -> list[Question]:
+    if not len(words):
+        return []
+    at, end = int(w.start[words[0]]), int(w.end[words[0]])
+    said = f"{text.excerpt(at, end)}: {what}"
+    return [Question(code, at, max(end - at, 1), said, assumed, hint, len(words))]
+
+
+def of_centres(line: int, count: int, w: Words, text: Plain) -> list[Question]:
+    """Return the question of a file in which no arc tells from where I and J count."""
+    at, end = int(w.line_start[line]), int(w.line_end[line])
+    return [
+        Question(
+            "iso-centres",
+            at,
+            max(end - at, 1),
+            f"{text.excerpt(at, end)}: I and J may lead from the start to the centre, or be the "
+            "place of the centre: no arc of this file proves either (full circles do not)",
+            "I and J lead from the start to the centre",
+            f"--centres-in start, or --centres-in absolute; or {_NAME_IT}",
+            count,
+        )
+    ]
+
+
+#: Words without a blank: a letter and a number, any number of times.
+_WORDS = re.compile(rb"/?(?:[A-Z][-+]?(?:\d+\.?\d*|\.\d+))+")
+_BRACKETS = re.compile(rb"\([^)]*\)?")
+_GAP = re.compile(rb"(?<=[A-Z]) +(?=[-+.\d])")
+#: What stands in no word.
+_OTHER = re.compile(rb"[^A-Z0-9.+/-]+")
+#: Letters of which a word changes the path.
+_PATH = re.compile(rb"[GXYIJR]")
+_NAME = re.compile(rb"[A-Z]{2}")
+
+
+def reads_as_words(comment: bytes) -> bool:
+    """Return whether text behind a semicolon could be blocks of a program.
+
+    It could where all of it is words, or where a word that changes a path stands there by itself.
+
+    >>> [reads_as_words(t) for t in (b"; G01 X5.0", b";M02", b"; BY HAND", b"; BACK TO X 5", b";")]
+    [True, True, False, True, False]
+    """
+    for part in _BRACKETS.sub(b" ", comment).split(b";"):
+        chunks = _OTHER.sub(b" ", _GAP.sub(b"", part)).split()
+        words = [(m[0], c[m.end() :]) for c in chunks if (m := _WORDS.match(c))]
+        if chunks and len(words) == len(chunks) and not any(rest for _, rest in words):
+            return True
+        if any(_PATH.search(word) and not _NAME.match(rest) for word, rest in words):
+            return True
+    return False
+
+
+def of_semicolons(w: Words, text: Plain, layout: Layout | None) -> list[Question]:
+    """Return the question of text behind semicolons that reads as words.
+
+    ``layout``: of the profile that was named; its header and footer are comments.
+    """
+    own: set[bytes] = set()
+    if layout is not None:
+        own = {plain(t.encode(layout.encoding)).codes for t in (*layout.header, *layout.footer)}
+    asked = [
+        (a, b)
+        for a, b in w.comments
+        if text.codes[a] == ord(";")
+        and text.codes[a:b].strip() not in own
+        and reads_as_words(text.codes[a:b])
+    ]
+    if not asked:
+        return []
+    a, b = asked[0]
+    return [
+        Question(
+            "iso-semicolon",
+            a,
+            b - a,
+            f"{text.excerpt(a, b)}: text behind a semicolon that reads as words: blocks of their "
+            "own (the semicolon ends a block), or a comment?",
+            "a comment",
+            "--semicolon-in block, or --semicolon-in comment",
+            len(asked),
+        )
+    ]
+
+
+def of_subprograms(words: Ints, w: Words, text: Plain) -> list[Question]:
+    """Return the finding of the words that call a subprogram."""
+    return _of_words(
+        "subprogram",
+        words,
+        w,
+        text,
+        "calls, repeats or ends a subprogram; subprograms are not run yet",
+        "the lines are run as they stand, once",
+        "write the blocks of the subprogram in the place of its call, as the machine runs them",
+    )

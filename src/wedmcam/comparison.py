@@ -45,9 +45,7 @@ def difference_um(
     options = replace(options, arithmetic=other, strict=False)
     run = Run()
     try:
-        if (
-            options.transforms or drawn.items is not None
-        ):  # else what was read depends on no arithmetic
+        if drawn.computed:
             drawn = sources.read(data, name, options, run)
         there = sources.where_the_wire_goes(drawn, options, run)
     except Refused:

@@ -105,14 +105,12 @@ def _smallest_radius(contours: tuple[Contour, ...]) -> dict[str, Any] | None:
 
 def _largest(drawn: Drawn, options: Options) -> dict[str, Any]:
     """Return the largest offset without interference, and what limits it."""
-    from wedmcam.transforms.planning import shifts
+    from wedmcam.transforms.plan.pieces import runs_outside
 
     side = options.side if options.side is Side.DIE else Side.PART
     chosen = [
-        (c, s)
-        for c, s in zip(
-            drawn.contours, shifts(drawn.contours, drawn.nesting, side, 1.0), strict=True
-        )
+        (c, -1.0 if runs_outside(depth, side is Side.PART) else 1.0)
+        for c, depth in zip(drawn.contours, drawn.nesting.depths, strict=True)
         if c.closed
     ]
     outlines, signs = [c for c, _ in chosen], [s for _, s in chosen]

@@ -137,7 +137,9 @@ def _plan_moved(plan: Plan, by: Isometry) -> Plan:
     return replace(
         plan,
         cuts=tuple(cut(one) for one in plan.cuts),
-        outlines=tuple(by.contour(c) for c in plan.outlines),
+        scenes=tuple(
+            replace(s, outlines=tuple(by.contour(c) for c in s.outlines)) for s in plan.scenes
+        ),
     )
 
 

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from plans import one_scene
 from wedmcam.controllers import pointwise as controller
 from wedmcam.controllers.pointwise import LineTable
 from wedmcam.ir.contour import Contour, vertices
-from wedmcam.ir.plan import Cut, Plan, Side
+from wedmcam.ir.plan import Cut, Side
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 
 OFFSET = 100.0
@@ -132,7 +133,7 @@ def lower(plan, table=LineTable.ROTATE):
 
 def hole_plan(side=Side.PART):
     """A hole of radius 10 mm, the published program's: depth 1 of a part that is not cut."""
-    return Plan(
+    return one_scene(
         (Cut(circle(0, 0, 10000), circle(0, 0, 9900), (0, 0), depth=0),),
         (circle(0, 0, 10000),),
         (0,),
@@ -147,13 +148,13 @@ def square_plan(size=10000, side=Side.PART):
         path, thread = square_outside(size, d), (size // 2, -1000)
     else:
         path, thread = square_inside(size, d), (size // 2, size // 2)
-    return Plan((Cut(square(size), path, thread),), (square(size),), (0,), side, d)
+    return one_scene((Cut(square(size), path, thread),), (square(size),), (0,), side, d)
 
 
 def part_with_hole():
     """A square of 10 mm with a hole of radius 2 mm; the hole first."""
     hole = circle(5000, 5000, 2000)
-    return Plan(
+    return one_scene(
         (
             Cut(hole, circle(5000, 5000, 1900), (5000, 5000), depth=1, number=2),
             Cut(square(10000), square_outside(10000, OFFSET), (5000, -1000)),
@@ -201,7 +202,7 @@ def skew_plan(turn=0.3, size=10000.0, d=OFFSET):
     v = ring(d).vertices
     out = np.array([v["x"][0], v["y"][0]])
     thread = tuple(int(q) for q in np.round(out + 1000 * np.array([c, s])))
-    return Plan((Cut(ring(0.0), ring(d), thread),), (ring(0.0),), (0,), Side.PART, d)
+    return one_scene((Cut(ring(0.0), ring(d), thread),), (ring(0.0),), (0,), Side.PART, d)
 
 
 def edited(program, change):

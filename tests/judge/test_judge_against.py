@@ -20,6 +20,7 @@ from judge_cases import (
     square_plan,
 )
 
+from plans import one_scene
 from wedmcam.controllers.pointwise import of_table
 from wedmcam.diag import Severity
 from wedmcam.ir.contour import Contour
@@ -202,11 +203,11 @@ def test_textbook_count_tells_both_machines():
     from judge_cases import circle
 
     from wedmcam.ir.contour import vertices
-    from wedmcam.ir.plan import Cut, Plan
+    from wedmcam.ir.plan import Cut
 
     path = Contour(vertices([(7001, 5002, 0, 0, 1, -1)]), True)
     r = float(np.hypot(7001, 5002))
-    odd = Plan(
+    odd = one_scene(
         (Cut(circle(0, 0, r + 100), path, (0, 0)),), (circle(0, 0, r + 100),), (0,), Side.DIE, 100.0
     )
     rows = lower(odd).blocks.copy()

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from judge_cases import circle, edited, hole_plan, lower, part_with_hole, skew_plan, square_plan
 
+from plans import one_scene
 from wedmcam.controllers.pointwise import LineTable, of_table
-from wedmcam.ir.plan import Cut, Plan, Side
+from wedmcam.ir.plan import Cut, Side
 from wedmcam.judge import survey as survey_module
 from wedmcam.judge.bounds import bound
 from wedmcam.judge.deviation import measure
@@ -22,7 +23,7 @@ PLANS = {
     "die": square_plan(side=Side.DIE),
     "part with hole": part_with_hole(),
     **{f"skew {t} {s:.0f}": skew_plan(t, s) for t in (0.3, 1.1, -2.2) for s in (900.0, 7000.0)},
-    "crooked circle": Plan(
+    "crooked circle": one_scene(
         (Cut(circle(0.3, -0.4, 5000.7), circle(0.3, -0.4, 4900.7), (0, 0)),),
         (circle(0.3, -0.4, 5000.7),),
         (0,),
@@ -114,7 +115,7 @@ def test_most_blocks_are_not_stepped(monkeypatch):
         x, y = 3000 * (k % 8), 3000 * (k // 8)
         outlines.append(circle(x, y, 1000))
         cuts.append(Cut(outlines[-1], circle(x, y, 900), (x, y), number=k + 1))
-    plan = Plan(tuple(cuts), tuple(outlines), (0,) * 64, Side.DIE, 100.0)
+    plan = one_scene(tuple(cuts), tuple(outlines), (0,) * 64, Side.DIE, 100.0)
     program = lower(plan)
     stepped = []
 

@@ -26,7 +26,7 @@ def agree(plan, case):
     k = np.flatnonzero(runs)
     if not len(k):
         return 0
-    kept = kept_material(plan, route, np.ones(len(route.closed), bool))
+    kept = kept_material(plan.materials[0], route, np.ones(len(route.closed), bool))
     one = extremes(way, index[k], low[k], high[k], route, kept)
     every = measure(way, index, low, high, route, kept)
     # A place beyond the end may be nearer to a vertex than those of this block alone.

@@ -25,9 +25,10 @@ from judge_cases import (
 )
 from same_steps import same_steps
 
+from plans import one_scene
 from wedmcam.controllers.pointwise import LineTable, of_table
 from wedmcam.diag import Severity, TextSpan
-from wedmcam.ir.plan import Cut, Plan, Side
+from wedmcam.ir.plan import Cut, Side
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.judge import judge
 
@@ -223,7 +224,7 @@ def test_die_for_part_even_where_the_plan_itself_is_wrong(table):
         (square_inside(10000, d), (5000, 5000), Side.PART),
         (square_outside(10000, d), (5000, -1000), Side.DIE),
     ):
-        plan = Plan((Cut(square(10000), path, thread),), (square(10000),), (0,), side, d)
+        plan = one_scene((Cut(square(10000), path, thread),), (square(10000),), (0,), side, d)
         errors = refuse(lower(plan, table), plan, table)
         assert "the wire is 0.200 mm deep" in errors["gouge"]
         verdict, _ = judge(lower(plan, table), plan, stepping=of_table(table))
@@ -243,7 +244,7 @@ def test_program_of_the_other_side_against_a_right_plan():
 def test_diameter_taken_for_a_radius(inside):
     make = square_inside if inside else square_outside
     thread, side = ((5000, 5000), Side.DIE) if inside else ((5000, -1000), Side.PART)
-    plan = Plan(
+    plan = one_scene(
         (Cut(square(10000), make(10000, 2 * OFFSET), thread),), (square(10000),), (0,), side, OFFSET
     )
     errors = refuse(lower(plan), plan)
@@ -252,7 +253,7 @@ def test_diameter_taken_for_a_radius(inside):
 
 
 def test_offset_too_small_gouges():
-    plan = Plan(
+    plan = one_scene(
         (Cut(square(10000), square_outside(10000, 50.0), (5000, -1000)),),
         (square(10000),),
         (0,),
@@ -490,7 +491,7 @@ def test_open_contour_on_the_line():
         vertices([(0, 0, 0, 0, 0, -1), (5000, 0, 5000, 1000, 1, -1), (6000, 1000, 0, 0, 0, -1)]),
         False,
     )
-    plan = Plan((Cut(path, path, (0, 0)),), (path,), (0,), Side.ON, 0.0)
+    plan = one_scene((Cut(path, path, (0, 0)),), (path,), (0,), Side.ON, 0.0)
     program = lower(plan)
     verdict, findings = judge(program, plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok, findings
@@ -505,7 +506,7 @@ def test_hundred_holes():
         x, y = 3000 * (k % 10), 3000 * (k // 10)
         outlines.append(circle(x, y, 1000))
         cuts.append(Cut(outlines[-1], circle(x, y, 900), (x, y), number=k + 1))
-    plan = Plan(tuple(cuts), tuple(outlines), (0,) * 100, Side.DIE, OFFSET)
+    plan = one_scene(tuple(cuts), tuple(outlines), (0,) * 100, Side.DIE, OFFSET)
     program = lower(plan)
     verdict, findings = judge(program, plan, stepping=of_table(LineTable.ROTATE))
     assert verdict.ok, findings

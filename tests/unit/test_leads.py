@@ -6,7 +6,7 @@ import pytest
 import parts
 import wedmcam
 from wedmcam.ir.plan import Order
-from wedmcam.transforms.order import order
+from wedmcam.transforms.plan.order import order
 
 
 def compiled(contours, **mm):

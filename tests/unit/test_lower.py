@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import parts
+from plans import one_scene
 from wedmcam.controllers.pointwise import LineTable, arc_end, of_table, run
 from wedmcam.diag import TextSpan
 from wedmcam.ir.contour import Contour, vertices
-from wedmcam.ir.plan import Cut, Plan, Side
+from wedmcam.ir.plan import Cut, Side
 from wedmcam.ir.program import Axis, Kind, Role
 from wedmcam.transforms.lower import Rules, lower
 from wedmcam.transforms.lower.repair import best_chain
@@ -29,7 +30,7 @@ def plan_of(*paths, threads=None, keeps=None, **more):
         )
         for k, p in enumerate(paths)
     )
-    return Plan(cuts, paths, (0,) * len(paths), Side.ON, 0.0)
+    return one_scene(cuts, paths, (0,) * len(paths), Side.ON, 0.0)
 
 
 def made(plan, rules=None):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import parts
+from plans import one_scene
 from wedmcam.backends.svg import DETAILED, LABELS, plot, plot_contours
 from wedmcam.backends.svg_sheet import Sheet
 from wedmcam.diag import CODES, EntityRef, error
@@ -52,7 +53,7 @@ def hole() -> Made:
 def hole_plan(side: Side = Side.PART) -> Plan:
     outline, path = parts.circle(0, 0, 10000), parts.circle(0, 0, 9900)
     cut = Cut(outline, path, (0, 0), keeps_left=False)
-    return Plan((cut,), (outline,), (0,), side, 100.0)
+    return one_scene((cut,), (outline,), (0,), side, 100.0)
 
 
 def tree(svg: str) -> ET.Element:
@@ -210,7 +211,7 @@ def test_sides_decide_what_is_hatched() -> None:
 
 def test_the_kerf_is_as_wide_as_the_wire_cuts() -> None:
     plan = hole_plan()
-    wide = Plan(plan.cuts, plan.outlines, plan.depths, plan.side, 150.0)
+    wide = one_scene(plan.cuts, plan.outlines, plan.depths, plan.side, 150.0)
     kerf = tree(plot(*hole(), plan=wide)).find(".//s:path[@id='kerf']", NS)
     assert kerf is not None
     assert kerf.get("stroke-width") == "0.3"

@@ -229,9 +229,9 @@ def plot(
     part: Box | None = None
     if plan is not None and plan.outlines:
         part = union(_of_contour(c).box() for c in plan.outlines)
-        sides = {p.side for p in plan.kinds}
+        sides = {s.keeps for s in plan.scenes}
         if sides >= {Side.PART, Side.DIE}:  # around a die all is kept, punches and all: not hatched
-            held = [c for p in plan.kinds if p.side is Side.PART for c in p.outlines]
+            held = [c for s in plan.scenes if s.keeps is Side.PART for c in s.outlines]
             legend += _part(sheet, held, Side.PART, box)
             more = _part(sheet, [c for c in plan.outlines if c not in held], None, box)
             legend += [entry for entry in more if entry[1] not in [told for _, told in legend]]

@@ -16,7 +16,7 @@ from wedmcam.ir.program import Kind, Role
 from wedmcam.options import Options, WrongUse
 from wedmcam.programs.places import block_ends, matched
 from wedmcam.targets import Target
-from wedmcam.transforms.rest import rest, some
+from wedmcam.transforms.plan.portion import only_cuts, remaining
 
 
 def portion(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
@@ -37,7 +37,7 @@ def portion(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
                 f"the program has {len(plan.cuts)} contours, there is no --cuts "
                 f"{options.cuts[0]}-{options.cuts[1]}"
             )
-        plan = some(plan, *options.cuts)
+        plan = only_cuts(plan, *options.cuts)
     return _rest(plan, target, options, run) if options.from_block else plan
 
 
@@ -87,7 +87,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     arc = lowered.blocks["kind"] == Kind.ARC
     share[arc] = motion.steps[arc] * (np.pi / 4) * lowered.step_um  # a turn takes 8 R steps
     along = float(share[before].sum())
-    found = rest(plan, cut - 1, at, along, options.backwards, lowered.step_um)
+    found = remaining(plan, cut - 1, at, along, options.backwards, lowered.step_um)
     if found is None:
         raise WrongUse(f"block {n} of the program lies on no contour")
     return found

@@ -13,20 +13,21 @@ from wedmcam.diag import Diagnostic, option_texts
 from wedmcam.diag.run import Run
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.sketch import Sketch, ThreadPoint
+from wedmcam.ir.sketch import Sketch
 from wedmcam.options import Options, WrongUse
 
 if TYPE_CHECKING:
     from wedmcam.transforms.chain import ChainReport
-    from wedmcam.transforms.items import Worked
     from wedmcam.transforms.nest import Nesting
+    from wedmcam.transforms.plan.shaped import ShapedCut
+    from wedmcam.transforms.plan.wording import Wording
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawn:
     """What was drawn: loose segments, and the contours they make.
 
-    ``items``: the cuts of a part program with their figures; None for a drawing.
+    ``computed``: formulas made the contours: in another arithmetic they are others.
     ``held``: findings about outlines that are held by what is not read; errors stop the plan.
     """
 
@@ -34,8 +35,39 @@ class Drawn:
     contours: tuple[Contour, ...]
     report: ChainReport
     nesting: Nesting
-    items: tuple[Worked, ...] | None = None
+    computed: bool
     held: tuple[Diagnostic, ...] = ()
+
+    @property
+    def words(self) -> Wording:
+        """What its user calls what is planned."""
+        from wedmcam.transforms.plan.wording import OF_DRAWING
+
+        return OF_DRAWING
+
+    def cuts(self, options: Options) -> tuple[tuple[ShapedCut, ...], list[Diagnostic]]:
+        """Return what is to be cut: a drawing is one cut."""
+        from wedmcam.transforms.plan.drawing import cut_of_drawing
+
+        return cut_of_drawing(self.contours, self.nesting, self.sketch.thread_points, options)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class DrawnPart(Drawn):
+    """What a part program cuts; it says of each cut how."""
+
+    shaped: tuple[ShapedCut, ...]
+
+    @property
+    def words(self) -> Wording:
+        """What its user calls what is planned."""
+        from wedmcam.transforms.plan.wording import OF_PART
+
+        return OF_PART
+
+    def cuts(self, options: Options) -> tuple[tuple[ShapedCut, ...], list[Diagnostic]]:
+        """Return what is to be cut."""
+        return self.shaped, []
 
 
 def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
@@ -64,7 +96,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     about = held(sketch, contours, options.join_um, options.offset_um or 0.0)
     if options.transforms:
         sketch, contours = _transformed(sketch, contours, options, run)
-    return Drawn(sketch, contours, report, nest(contours), held=about)
+    return Drawn(sketch, contours, report, nest(contours), bool(options.transforms), about)
 
 
 def source_format(data: bytes, file: str, options: Options) -> str:
@@ -82,9 +114,10 @@ def source_format(data: bytes, file: str, options: Options) -> str:
 def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     """Return the figures that a part program cuts, each with what is asked of it."""
     from wedmcam.frontends.wed import read as read_wed
-    from wedmcam.transforms import idle, items
     from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.figures.part import shape_cuts, sketch_of
     from wedmcam.transforms.nest import nest
+    from wedmcam.transforms.plan import idle
 
     part = run(
         "read",
@@ -92,11 +125,11 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     )
     run.add("read", idle.of_source(part, options))
     more = _transforms(options, run)
-    worked = run("transform", items.worked(part, more, arithmetic(options)))
-    sketch, contours = items.sketch_of(part, worked)
+    shaped = run("transform", shape_cuts(part, more, arithmetic(options)))
+    sketch, contours = sketch_of(part, shaped)
     closed = sum(c.closed for c in contours)
     report = ChainReport(closed, len(contours) - closed)
-    return Drawn(sketch, contours, report, nest(contours), worked)
+    return DrawnPart(sketch, contours, report, nest(contours), True, shaped=shaped)
 
 
 def _transforms(options: Options, run: Run) -> list[Any]:
@@ -138,26 +171,9 @@ def arithmetic(options: Options) -> Arithmetic:
 
 
 def where_the_wire_goes(drawn: Drawn, options: Options, run: Run) -> Plan:
-    """Return where the wire goes: sides, compensation, leads, order."""
+    """Return the plan: sides, compensation, leads, order."""
+    from wedmcam.transforms.plan.planner import plan_cuts
+
     run.add("nest", drawn.held)
-    if drawn.items is not None:
-        from wedmcam.transforms import items
-
-        return run("plan", items.plan(drawn.items, options, arithmetic(options)))
-    from wedmcam.transforms import planning
-    from wedmcam.transforms.merge import merge_arcs
-
-    side = options.effective_side
-    contours = [merge_arcs(c) for c in drawn.contours]
-    run.add("open", planning.unfit(contours, options, side))
-    if options.corner_um:
-        from wedmcam.transforms.corners import round_corners
-
-        contours = run("corners", round_corners(contours, options.corner_um, arithmetic(options)))
-    lanes = run(
-        "compensate", planning.lanes(contours, drawn.nesting, options, side, arithmetic(options))
-    )
-    threads = list(drawn.sketch.thread_points)
-    threads += [ThreadPoint(x, y) for x, y in options.starts_um]
-    cuts = run("leads", planning.cuts(lanes, threads, drawn.nesting, options))
-    return Plan(tuple(cuts), tuple(contours), drawn.nesting.depths, side, options.offset_um or 0.0)
+    cuts = run("open", drawn.cuts(options))
+    return run("plan", plan_cuts(cuts, options, arithmetic(options), drawn.words))

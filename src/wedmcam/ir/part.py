@@ -29,7 +29,7 @@ class CutItem:
         name: of the figure, for messages.
         shape: what is cut.
         side: inside, outside, left, right or on.
-        span: of the statement.
+        span: of the statement; None where a drawing asks for it.
         offset: outline to wire centre.
         corner: radius rounded onto the part's own corners.
         start: thread point (x, y), and where it is written.
@@ -43,7 +43,7 @@ class CutItem:
     name: str
     shape: Shape
     side: str
-    span: TextSpan
+    span: TextSpan | None
     offset: float | None = None
     corner: float | None = None
     start: tuple[float, float, TextSpan] | None = None

@@ -1,7 +1,8 @@
 """Plan: what the wire will do, in order, before the grid of the machine enters.
 
 One `Cut` per contour: the outline as drawn, the wire path (exact, float um, starting where the lead
-meets it), the thread point and the leads. Frames: drawing coordinates in um.
+meets it), the thread point and the leads, its side and its offset. Contours that make one part are
+a `Scene`: they bound one kept material. Frames: drawing coordinates in um.
 """
 
 from __future__ import annotations
@@ -39,13 +40,16 @@ class Cut:
         path: where the centre of the wire goes: exact, in cutting direction; a closed path starts
             at the point where the lead arrives.
         thread: where the wire is threaded, whole um.
-        depth: how many contours of the drawing enclose this one.
+        depth: how many contours of its scene enclose this one.
         keeps_left: the kept material lies to the left (True) or right (False) of the path; None
             for ``on``.
         stop_um: distance along the path before its end at which the machine pauses; 0 for none.
         overcut_um: how far a closed path is cut past its start.
         number: which of the plan's ``outlines`` it is of, 1-based. Never told: whatever is printed
             counts cuts as they are cut.
+        side: as asked for; ``inside`` and ``outside`` of a part program are what their scene keeps.
+        offset_um: distance from the outline to the wire's centre; 0 for ``on``.
+        scene: which of the plan's ``scenes`` it is of, from 0.
     """
 
     outline: Contour | None
@@ -56,38 +60,126 @@ class Cut:
     stop_um: float = 0.0
     overcut_um: float = 0.0
     number: int = 1
+    side: Side = Side.ON
+    offset_um: float = 0.0
+    scene: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """Contours that make one part, whether they are cut or not; the four tuples run in parallel.
+
+    Attributes:
+        outlines: what bounds the kept material; contours without one stand in a scene as well.
+        depths: how many others enclose each one.
+        offsets: how far from each one the wire's centre runs, um; 0 for ``on``.
+        sides: of each one, as of its cut.
+        keeps: PART where what lies in an even number of outlines falls away, and that in an odd
+            number is kept; DIE for the reverse; None where the wire has no kept side (``on``, and
+            open contours).
+        first: how many outlines of the plan come before these.
+    """
+
+    outlines: tuple[Contour, ...]
+    depths: tuple[int, ...]
+    offsets: tuple[float, ...]
+    sides: tuple[Side, ...]
+    keeps: Side | None
+    first: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Material:
+    """What the cuts of a scene that have one offset must leave, and reach.
+
+    Attributes:
+        scene: its number.
+        outlines: all of the scene: they bound what is kept.
+        depths: for each of ``outlines``, how many others enclose it.
+        side: PART or DIE: what of them is kept.
+        offset_um: distance from an outline to the wire's centre.
+        reached: numbers (from 0, of ``outlines``) of those that the cuts are to reach.
+        first: how many outlines of the plan come before these.
+    """
+
+    scene: int
+    outlines: tuple[Contour, ...]
+    depths: tuple[int, ...]
+    side: Side
+    offset_um: float
+    reached: tuple[int, ...]
+    first: int
+
+    def holds(self, cut: Cut) -> bool:
+        """Return whether a cut is one of those."""
+        return cut.scene == self.scene and cut.offset_um == self.offset_um
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
     """Cuts in their order, and what they are to leave.
 
+    What is told of a plan as a whole is that of its scenes, so a part of it has the same.
+
     Attributes:
         cuts: in cutting order.
-        outlines: every contour of the part, whether cut or not: what bounds the kept material.
-        depths: for each of ``outlines``, how many others enclose it.
-        side: as asked for.
-        offset_um: distance from the drawn outline to the wire's centre; 0 for ``on``.
+        scenes: every contour, whether cut or not, in groups that are one part each.
         partial: other programs cut what these cuts leave: outlines that no closed path of them
             runs along need not be cut.
-        parts: where cuts have sides and offsets of their own: for each kind the cuts (of
-            ``cuts``), the outlines that they keep clear of, and their side and offset. Empty where
-            one side and offset hold for all; then those above are only what is told.
-        reached: numbers (from 0) of the outlines that ``cuts`` are to reach; None for all.
-        before: how many outlines of the whole plan come before those of this part.
     """
 
     cuts: tuple[Cut, ...]
-    outlines: tuple[Contour, ...]
-    depths: tuple[int, ...]
-    side: Side
-    offset_um: float
+    scenes: tuple[Scene, ...]
     partial: bool = False
-    parts: tuple[Plan, ...] = ()
-    reached: tuple[int, ...] | None = None
-    before: int = 0
 
     @property
-    def kinds(self) -> tuple[Plan, ...]:
-        """The plan itself, or its parts: each with one side and one offset."""
-        return self.parts or (self,)
+    def outlines(self) -> tuple[Contour, ...]:
+        """Every contour, whether cut or not."""
+        return tuple(c for scene in self.scenes for c in scene.outlines)
+
+    @property
+    def depths(self) -> tuple[int, ...]:
+        """For each of ``outlines``, how many others of its scene enclose it."""
+        return tuple(d for scene in self.scenes for d in scene.depths)
+
+    @property
+    def offset_um(self) -> float:
+        """The largest distance from an outline to the wire's centre; 0 for ``on``."""
+        return max((o for scene in self.scenes for o in scene.offsets), default=0.0)
+
+    @property
+    def offsets_text(self) -> str:
+        """The offsets of the cuts for people, mm: one, or each that occurs."""
+        each = sorted({cut.offset_um for cut in self.cuts})
+        return ", ".join(f"{um / 1000:.3f}" for um in each) + " mm"
+
+    @property
+    def side(self) -> Side:
+        """The side of all contours; of several sides what is kept, PART where that is both."""
+        sides = {side for scene in self.scenes for side in scene.sides}
+        if len(sides) == 1:
+            return sides.pop()
+        keeps = {scene.keeps for scene in self.scenes if scene.keeps is not None}
+        if keeps:
+            return keeps.pop() if len(keeps) == 1 else Side.PART
+        if not sides:
+            return Side.ON
+        return Side.RIGHT if Side.RIGHT in sides else Side.LEFT
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """What is kept, scene by scene and offset by offset; none where no side keeps anything."""
+        return tuple(
+            Material(
+                number,
+                scene.outlines,
+                scene.depths,
+                scene.keeps,
+                offset,
+                tuple(k for k, o in enumerate(scene.offsets) if o == offset),
+                scene.first,
+            )
+            for number, scene in enumerate(self.scenes)
+            if scene.keeps is not None
+            for offset in sorted(set(scene.offsets))
+        )

@@ -15,7 +15,7 @@ import numpy as np
 
 from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
-from wedmcam.ir.plan import Cut, Plan
+from wedmcam.ir.plan import Cut, Material, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.deviation import SLOP, measure
@@ -145,9 +145,12 @@ class _Case(NamedTuple):
         t = _follow(way, route, assigned)
         done = ~np.isnan(t.high)
         judged = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
-        kinds = [(p, judged & _mine(p, self.plan, cuts)) for p in self.plan.kinds]
-        materials = [kept_material(p, route, mine) for p, mine in kinds]
-        kept = materials[0]
+        held = [
+            (material, judged & np.array([material.holds(c) for c in cuts], bool))
+            for material in self.plan.materials
+        ]
+        materials = [kept_material(material, route, own) for material, own in held]
+        kept = materials[0] if materials else None
         role = _roles(route, t)
         lead = np.zeros(len(index), bool)
         lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)
@@ -177,18 +180,16 @@ class _Case(NamedTuple):
             findings.extend(found)
 
         gouge, uncut = None, None
-        for (kind, own), material in zip(kinds, materials, strict=True):
-            if material is None:
-                continue
+        for (material, own), beside in zip(held, materials, strict=True):
             of = m
-            if material is not kept:
+            if beside is not kept:
                 of = survey(
-                    *(way, index[done], t.low[done], t.high[done], lead[done], route, material),
+                    *(way, index[done], t.low[done], t.high[done], lead[done], route, beside),
                     *(self.path_limit_um, self.gouge_limit_um),
                 )
-            deep = self._gouge(findings, material, route, own, of, index[done])
+            deep = self._gouge(findings, beside, route, own, of, index[done])
             gouge = max(deep, gouge or 0.0)
-            left = self._coverage(findings, kind, route)
+            left = self._coverage(findings, material, route)
             uncut = left if uncut is None or left is None else max(left, uncut)
         if self.plan.side in ("left", "right", "on"):
             gouge = None
@@ -250,6 +251,7 @@ class _Case(NamedTuple):
     def _totals(self, way: Walk) -> dict[str, Any]:
         """Return the figures that need no route."""
         kind = way.blocks["kind"]
+        kept = {s.keeps for s in self.plan.scenes} - {None}
         return {
             "blocks": int(way.cutting.sum()),
             "steps": int(np.maximum(way.steps[way.cutting], 0).sum()),
@@ -258,7 +260,7 @@ class _Case(NamedTuple):
             "path_mm": float(way.lengths()[way.cutting].sum()) / self.per,
             "origin_um": self.program.origin,
             "offset_um": self.plan.offset_um,
-            "side": str(self.plan.side) if len({p.side for p in self.plan.kinds}) == 1 else "mixed",
+            "side": str(self.plan.side) if len(kept) < 2 else "mixed",
             "path_limit_um": self.path_limit_um,
             "gouge_limit_um": self.gouge_limit_um,
         }
@@ -508,16 +510,18 @@ class _Case(NamedTuple):
             )
         return depth
 
-    def _coverage(self, findings: list[Diagnostic], plan: Plan, route: Route) -> float | None:
+    def _coverage(
+        self, findings: list[Diagnostic], material: Material, route: Route
+    ) -> float | None:
         """Return uncut_um, and report pieces that are missing.
 
         Of a part of a program only the outlines that it cuts whole are asked for, and there is no
         uncut_um; that every path of it is run is proven all the same (`deviation`).
         """
-        c = coverage(plan, route)
+        c = coverage(material, route)
         say = warning if self.trimmed else error
-        whole = {c.number - 1 - plan.before for c in self.plan.cuts if c.path.closed}
-        cut_of = {c.number - 1 - plan.before: k for k, c in enumerate(self.plan.cuts, 1)}
+        whole = {c.number - 1 - material.first for c in self.plan.cuts if c.path.closed}
+        cut_of = {c.number - 1 - material.first: k for k, c in enumerate(self.plan.cuts, 1)}
         for outline, share, x, y, um in c.missing:
             if self.plan.partial and outline not in whole:
                 continue
@@ -544,14 +548,6 @@ class _Case(NamedTuple):
                 )
             )
         return c.uncut_um
-
-
-def _mine(kind: Plan, whole: Plan, cuts: Sequence[Cut]) -> Bools:
-    """Return which of the cuts of a program are held against the material of a part of its plan."""
-    if kind is whole:
-        return np.ones(len(cuts), bool)
-    own = {c.number for c in kind.cuts}
-    return np.array([c.number in own for c in cuts], bool)
 
 
 def _slip(route: Route, t: Track, low: int, high: int, index: Ints, per: float) -> str:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.ir.plan import Plan, Side
+from wedmcam.ir.plan import Material, Side
 from wedmcam.ir.program import Role
 from wedmcam.judge.route import Route, of_contours
 from wedmcam.judge.segments import (
@@ -148,19 +148,17 @@ def _reach(offset: float) -> float:
     return offset + 2.0 * WIDTH + 1.0
 
 
-def kept_material(plan: Plan, route: Route, judged: np.ndarray) -> Kept | None:
-    """Return the kept material of a plan beside a route; None where no side was asked for.
+def kept_material(material: Material, route: Route, judged: np.ndarray) -> Kept:
+    """Return the kept material beside a route.
 
     Args:
-        plan: its outlines, side and offset count, its paths do not.
+        material: what is kept, and the offset.
         route: of the wire.
         judged: for each cut of the route, whether it has to stay out of the kept material.
     """
-    if plan.side not in (Side.PART, Side.DIE):
-        return None
-    outlines, _ = of_contours([c for c in plan.outlines if c.closed])
+    outlines, _ = of_contours([c for c in material.outlines if c.closed])
     s = route.segments
-    reach = _reach(plan.offset_um)
+    reach = _reach(material.offset_um)
     i, j = near_pairs(boxes(s, reach), boxes(outlines))
     use = judged[route.cut[i]]
     i, j = i[use], j[use]
@@ -170,10 +168,10 @@ def kept_material(plan: Plan, route: Route, judged: np.ndarray) -> Kept | None:
         held = np.flatnonzero(np.diff(first) > 0)
         d = segment_distance(s.take(i), outlines.take(j))
         least[held] = np.minimum(np.minimum.reduceat(d, first[held]), reach)
-    here = plan.offset_um - least
+    here = material.offset_um - least
     here[~judged[route.cut]] = -np.inf
     sides = np.full((2, len(s)), np.nan)
-    return Kept(outlines, plan.offset_um, plan.side is Side.PART, here, sides, first, j, s)
+    return Kept(outlines, material.offset_um, material.side is Side.PART, here, sides, first, j, s)
 
 
 def wrong_side(
@@ -230,7 +228,7 @@ class Coverage(NamedTuple):
     missing: tuple[tuple[int, float, float, float, float], ...]
 
 
-def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
+def coverage(material: Material, route: Route, tolerance: float = 2.0) -> Coverage:
     """Return what of the closed outlines the route leaves.
 
     A point of an outline is cut where the wire's centre, set beside it at right angles on the
@@ -238,15 +236,15 @@ def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
     nearer to the wire than the offset, a piece is missing; where an outline would be, no wire of
     this radius gets there. Each segment is asked at five points, and at its start for the figure.
     """
-    contours = [c for c in plan.outlines if c.closed]
-    depths = [d for c, d in zip(plan.outlines, plan.depths, strict=True) if c.closed]
-    which_outline = [k for k, c in enumerate(plan.outlines) if c.closed]
+    contours = [c for c in material.outlines if c.closed]
+    depths = [d for c, d in zip(material.outlines, material.depths, strict=True) if c.closed]
+    which_outline = [k for k, c in enumerate(material.outlines) if c.closed]
     outlines, owner = of_contours(contours)
     if not len(outlines):
         return Coverage(0.0, (0.0, 0.0), ())
     path_rows = np.flatnonzero((route.role == Role.CONTOUR) | (route.role == Role.OVERCUT))
     path = route.segments.take(path_rows)
-    offset = plan.offset_um
+    offset = material.offset_um
     # Left of a counter-clockwise outline is its inside. Scrap is outside of what is kept.
     twice = outlines.ax * outlines.by - outlines.bx * outlines.ay
     chord_caps = (
@@ -254,11 +252,9 @@ def coverage(plan: Plan, route: Route, tolerance: float = 2.0) -> Coverage:
     )
     area = np.bincount(owner, twice + chord_caps, minlength=len(contours))
     even = np.array([d % 2 == 0 for d in depths])
-    to_left = (area > 0) != (even == (plan.side is Side.PART))
+    to_left = (area > 0) != (even == (material.side is Side.PART))
     sign = np.where(to_left, 1.0, -1.0)[owner]
-    wanted = np.ones(len(outlines), bool)
-    if plan.reached is not None:
-        wanted = np.isin(np.array(which_outline), np.array(plan.reached, np.int64))[owner]
+    wanted = np.isin(np.array(which_outline), np.array(material.reached, np.int64))[owner]
 
     reach = offset + 2.0 * tolerance + 1.0
     k, j = near_pairs(boxes(path, reach), boxes(outlines))

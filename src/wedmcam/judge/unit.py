@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from wedmcam.ir.contour import Contour
-from wedmcam.ir.plan import Cut, Plan
+from wedmcam.ir.plan import Cut, Plan, Scene
 from wedmcam.judge.verdict import BlockTable, CutVerdict, Verdict
 
 
@@ -42,14 +42,17 @@ def in_steps(plan: Plan, step_um: float) -> Plan:
             thread=(whole(x), whole(y)),
             stop_um=c.stop_um / step_um,
             overcut_um=c.overcut_um / step_um,
+            offset_um=c.offset_um / step_um,
         )
+
+    def scene(s: Scene) -> Scene:
+        outlines = tuple(contour(c) for c in s.outlines)
+        return replace(s, outlines=outlines, offsets=tuple(o / step_um for o in s.offsets))
 
     return replace(
         plan,
         cuts=tuple(cut(c) for c in plan.cuts),
-        outlines=tuple(contour(c) for c in plan.outlines),
-        offset_um=plan.offset_um / step_um,
-        parts=tuple(in_steps(p, step_um) for p in plan.parts),
+        scenes=tuple(scene(s) for s in plan.scenes),
     )
 
 

@@ -202,10 +202,7 @@ class _Writer:
 
     def settled(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:
         """Return what must not be chosen for one contour, that it strays nowhere or least."""
-        from wedmcam.transforms.outlines import offset_of
-
-        cut = plan.cuts[number]
-        alone = replace(plan, cuts=(cut,), offset_um=offset_of(plan, cut), partial=True, parts=())
+        alone = replace(plan, cuts=(plan.cuts[number],), partial=True)
         bad = [(0, *choice[1:]) for choice in strays]
         best, least = bad, len(strays) + 1
         for _ in range(ROUNDS):

@@ -22,7 +22,6 @@ from wedmcam.geom.segments import (
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Program
 from wedmcam.transforms.doubles import place
-from wedmcam.transforms.outlines.starts import offset_of
 
 #: A joint may tear by this much when its segments are offset, um.
 TORN_UM = 1.0
@@ -35,12 +34,10 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
 
     A joint at an angle a tears by offset times a; up to `TORN_UM` is taken for tangent.
     """
-    if not plan.offset_um:
-        return []
     found: list[Diagnostic] = []
     more = 0
     for cut in plan.cuts:
-        if cut.outline is None:
+        if cut.outline is None or not cut.offset_um:
             continue
         c = cut.outline
         s = segments_of(c.vertices, c.closed)
@@ -50,7 +47,7 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
         angle = np.abs(np.arctan2(ex * by - ey * bx, ex * bx + ey * by))
         if not c.closed:
             angle = angle[:-1]
-        for k in np.flatnonzero(angle * plan.offset_um > TORN_UM).tolist():
+        for k in np.flatnonzero(angle * cut.offset_um > TORN_UM).tolist():
             if len(found) >= LISTED:
                 more += 1
                 continue
@@ -75,7 +72,7 @@ def gaps(plan: Plan) -> list[tuple[float, str]]:
     found: dict[float, str] = {}
     for cut in plan.cuts:
         v = cut.path.vertices
-        found.setdefault(offset_of(plan, cut), f"{place(float(v['x'][0]), float(v['y'][0]))} mm")
+        found.setdefault(cut.offset_um, f"{place(float(v['x'][0]), float(v['y'][0]))} mm")
     return sorted(found.items())
 
 

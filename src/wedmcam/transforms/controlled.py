@@ -25,7 +25,7 @@ from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import Floats, Ints
 from wedmcam.ir.contour import VERTEX, Contour
-from wedmcam.ir.plan import Cut, Plan, Side
+from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
 from wedmcam.transforms.compensate import compensate
@@ -129,7 +129,7 @@ def _run(motions: Blocks, spans: list[Span], rules: Rules) -> tuple[_Made | None
         return None, found
     x, y = to_grid([lead["x0"], lead["y0"]]).tolist()
     cut = Cut(None, path, (x, y), keeps_left=shift < 0)
-    lowered, found = lower(Plan((cut,), (), (), Side.ON, 0.0), rules)
+    lowered, found = lower(Plan((cut,), ()), rules)
     if lowered is None:
         return None, [replace(d, span=spans[0]) for d in found]
     # The way out of a closed path is not that of the file: it follows.

@@ -16,7 +16,7 @@ def in_steps(plan: Plan, step_um: float) -> Plan:
     """Return a plan with all that lowering looks at in steps; thread points on whole ones."""
     if step_um == 1:
         return plan
-    return replace(plan, cuts=tuple(_cut(c, 1.0 / step_um) for c in plan.cuts), parts=())
+    return replace(plan, cuts=tuple(_cut(c, 1.0 / step_um) for c in plan.cuts), scenes=())
 
 
 def _cut(c: Cut, scale: float) -> Cut:
@@ -28,6 +28,7 @@ def _cut(c: Cut, scale: float) -> Cut:
         thread=(x, y),
         stop_um=c.stop_um * scale,
         overcut_um=c.overcut_um * scale,
+        offset_um=c.offset_um * scale,
     )
 
 

@@ -21,7 +21,7 @@ from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.transforms.outlines.grid import Grid, gridded
-from wedmcam.transforms.outlines.starts import foot_of, offset_of, opened, started
+from wedmcam.transforms.outlines.starts import foot_of, opened, started
 
 #: A pause may stand so far from where it was asked for, um; the judge allows 5.
 PAUSE_UM = 3.0
@@ -47,7 +47,7 @@ class Written:
 
 def numbers(plan: Plan, first: int) -> dict[int, float]:
     """Return D number -> offset, um: one for each offset of the plan, from ``first`` on."""
-    offsets = list(dict.fromkeys(o for o in (offset_of(plan, c) for c in plan.cuts) if o > 0))
+    offsets = list(dict.fromkeys(c.offset_um for c in plan.cuts if c.offset_um > 0))
     return {first + k: offset for k, offset in enumerate(offsets)}
 
 
@@ -79,7 +79,7 @@ def written(
             if not before.path.closed or before.thread != cut.thread:
                 out.move(*cut.thread)
                 out.control(Kind.PAUSE)
-        offset = offset_of(plan, cut)
+        offset = cut.offset_um
         if not offset:
             mine = np.flatnonzero(lowered.blocks["cut"] == k + 1)
             for i in range(int(mine[0]), int(mine[-1]) + 1):
@@ -308,4 +308,4 @@ def _segments(rows: Blocks) -> Segments:
     return seg.make(x0, y0, x1, y1, cx, cy, rows["turn"].astype(np.int8))
 
 
-__all__ = ["Grid", "Written", "numbers", "offset_of", "started", "written"]
+__all__ = ["Grid", "Written", "numbers", "started", "written"]

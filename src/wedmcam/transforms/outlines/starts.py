@@ -15,10 +15,11 @@ from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import Segments
 from wedmcam.ir.contour import Contour
-from wedmcam.ir.plan import Cut, Plan, Side
-from wedmcam.transforms import leads
-from wedmcam.transforms.leads import Lane, Led
+from wedmcam.ir.plan import Cut, Plan
 from wedmcam.transforms.outlines.grid import Grid
+from wedmcam.transforms.plan import leads
+from wedmcam.transforms.plan.leads import Threaded
+from wedmcam.transforms.plan.paths import PlannedPath
 
 #: A foot this near to a vertex is the vertex; um.
 VERTEX_UM = 0.5
@@ -37,31 +38,6 @@ NEAR_UM = 0.02
 CIRCLE_UM = 0.2
 
 
-def offset_of(plan: Plan, cut: Cut) -> float:
-    """Return how far a path runs beside its outline, um: every vertex of it does."""
-    known = {0.0, *(kind.offset_um for kind in plan.kinds if kind.side is not Side.ON)}
-    if cut.outline is None:
-        return max(known)
-    s = seg.of_rows(cut.outline.starts, cut.outline.ends)
-    n = len(s)
-    x, y = (np.full(n, float(cut.path.vertices[k][0])) for k in ("x", "y"))
-    away = float(seg.distances(s, x, y).min())
-    near = min(known, key=lambda k: abs(k - away))
-    return near if abs(near - away) <= 2 * BESIDE_UM else round(away, 1)
-
-
-def offsets_of(plan: Plan) -> list[float]:
-    """Return the offset of each cut, um: cuts of a part program have their own."""
-    if not plan.parts:
-        return [plan.offset_um] * len(plan.cuts)
-    return [offset_of(plan, cut) for cut in plan.cuts]
-
-
-def offsets_text(plan: Plan) -> str:
-    """Return the offsets of all cuts for people: one, or each that occurs."""
-    return ", ".join(f"{um / 1000:.3f}" for um in sorted(set(offsets_of(plan)))) + " mm"
-
-
 def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
     """Return the plan with every closed path starting beside a segment, not round a corner.
 
@@ -69,25 +45,24 @@ def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
     last: both are one place only inside a segment, or where two are tangent. They are one micron
     only where the segment passes a place of the grid, so the start moves along to such a place.
     """
-    moved = [_restarted(cut, offset_of(plan, cut), grid) for cut in plan.cuts]
+    moved = [_restarted(cut, grid) for cut in plan.cuts]
     if all(a is b for a, b in zip(moved, plan.cuts, strict=True)):
         return plan, []
-    lanes = [
-        Lane(c.path, c.outline or c.path, None, offset_of(plan, c), k) for k, c in enumerate(moved)
+    paths = [
+        PlannedPath(c.path, c.outline or c.path, None, c.offset_um, k) for k, c in enumerate(moved)
     ]
-    led = [Led(c.path, c.thread) for c in moved]
+    threaded = [Threaded(c.path, c.thread) for c in moved]
     found = leads.collisions(
-        lanes,
-        led,
+        paths,
+        threaded,
         "such a controller starts beside a corner, not in it: put the thread point (or 'enter') "
         f"{FROM_CORNER_UM / 1000:g} mm from it, or give another one",
     )
-    new = dict(zip(map(id, plan.cuts), moved, strict=True))
-    parts = tuple(replace(p, cuts=tuple(new[id(c)] for c in p.cuts)) for p in plan.parts)
-    return (None if found else replace(plan, cuts=tuple(moved), parts=parts)), found
+    return (None if found else replace(plan, cuts=tuple(moved))), found
 
 
-def _restarted(cut: Cut, offset: float, grid: Grid) -> Cut:
+def _restarted(cut: Cut, grid: Grid) -> Cut:
+    offset = cut.offset_um
     if not offset or cut.outline is None or not cut.path.closed or not cut.outline.closed:
         return cut
     drawn = seg.of_rows(cut.outline.starts, cut.outline.ends)

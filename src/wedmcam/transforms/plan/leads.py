@@ -21,6 +21,7 @@ from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.sketch import ThreadPoint
+from wedmcam.transforms.plan.paths import PlannedPath
 
 #: A lead that arrives this near to a vertex arrives at it: no leftovers of a few steps; um.
 VERTEX_UM = 5.0
@@ -33,38 +34,10 @@ TIE_UM = 1e-3
 CLEAR = 0.25
 #: How often a lead is halved that would end too near to another wall.
 HALVED = 8
-#: How a thread point is given for a drawing, and in a part program.
-_WORDS = ("--start X,Y; a POINT on layer START", "'start' of the cut")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lane:
-    """A wire path that wants a lead.
-
-    Attributes:
-        path: the wire path, in cutting direction.
-        outline: what it was made from; None for ``on`` open paths.
-        scrap_left: scrap to the left (True) or right of the path; None where there is none (on).
-        offset_um: distance between the two.
-        contour: number of the outline; several paths may share one.
-        parent: number of the outline directly around it, -1 for none.
-        lead_um: length of a lead that nobody stated; None for the usual one.
-        enter: where the lead arrives: at the point of the path nearest to this, um, and where
-            that was stated; None for the point nearest to the thread point.
-    """
-
-    path: Contour
-    outline: Contour
-    scrap_left: bool | None
-    offset_um: float
-    contour: int = 0
-    parent: int = -1
-    lead_um: float | None = None
-    enter: ThreadPoint | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Led:
+class Threaded:
     """A path that starts where its lead arrives, and the whole-um thread point.
 
     ``measured``: a length was asked of the lead; else a thread point or a centre says where it is.
@@ -76,11 +49,12 @@ class Led:
 
 
 def lead(
-    lanes: Sequence[Lane],
+    paths: Sequence[PlannedPath],
     threads: Sequence[ThreadPoint],
     lead_um: float,
-    only: Sequence[Collection[int]] | None = None,
-) -> tuple[list[Led] | None, list[Diagnostic]]:
+    only: Sequence[Collection[int]],
+    words: str,
+) -> tuple[list[Threaded] | None, list[Diagnostic]]:
     """Return every path with its lead.
 
     Each thread point serves the nearest path whose scrap side holds it. One that serves none, a
@@ -88,19 +62,20 @@ def lead(
     path on its way, and one that can only lie along a wall are errors, all of them reported.
 
     Args:
-        lanes: closed or open paths, um.
+        paths: closed or open paths, um.
         threads: thread points, um; the nearest whole um is used.
         lead_um: length of a lead that nobody stated.
-        only: for each thread point the numbers of the paths that it may serve; None for all.
+        only: for each thread point the numbers of the paths that it may serve.
+        words: how a thread point is given, for hints.
     """
     found: list[Diagnostic] = []
     served: dict[int, tuple[int, int]] = {}
     spans: dict[int, Span | None] = {}
-    scene = _Scene(lanes)
+    scene = _Scene(paths)
     for k, point in enumerate(threads):
         x, y = (int(v) for v in to_grid([point.x, point.y]))
         place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
-        number, problem = _serves(scene, x, y, None if only is None else only[k])
+        number, problem = _serves(scene, x, y, only[k])
         if number is None:
             found.append(
                 error(
@@ -128,37 +103,35 @@ def lead(
             spans[number] = point.span
     if found:
         return None, found
-    # Where thread points serve paths by their number, a part program states them.
-    words = _WORDS[only is not None]
-    free = [k for k in range(len(lanes)) if k not in served]
+    free = [k for k in range(len(paths)) if k not in served]
     result, along = _chosen(scene, free, lead_um)
-    cures = [_cure(lane, words, k in served) for k, lane in enumerate(lanes)]
-    found += [_along_wall(lanes[k], result[k], cures[k]) for k in along]
+    cures = [_cure(planned, words, k in served) for k, planned in enumerate(paths)]
+    found += [_along_wall(paths[k], result[k], cures[k]) for k in along]
     for number, thread in served.items():
-        lane = lanes[number]
-        arrives = thread if lane.enter is None else (lane.enter.x, lane.enter.y)
-        result[number] = Led(_started(lane.path, arrives), thread)
-    ordered = [result[k] for k in range(len(lanes))]
+        planned = paths[number]
+        arrives = thread if planned.enter is None else (planned.enter.x, planned.enter.y)
+        result[number] = Threaded(_started(planned.path, arrives), thread)
+    ordered = [result[k] for k in range(len(paths))]
     return ordered, found + _collisions(scene, ordered, spans, cures)
 
 
 class _Scene:
     """All paths as one array of segments, so that a lead is held against all at once."""
 
-    def __init__(self, lanes: Sequence[Lane]) -> None:
-        self.lanes = lanes
-        starts = np.concatenate([p.path.starts for p in lanes])
-        ends = np.concatenate([p.path.ends for p in lanes])
+    def __init__(self, paths: Sequence[PlannedPath]) -> None:
+        self.paths = paths
+        starts = np.concatenate([p.path.starts for p in paths])
+        ends = np.concatenate([p.path.ends for p in paths])
         self.segments = seg.of_rows(starts, ends)
         self.boxes = seg.boxes(self.segments)
-        sizes = np.array([len(p.path) for p in lanes])
-        self.lane = np.repeat(np.arange(len(lanes)), sizes)
+        sizes = np.array([len(p.path) for p in paths])
+        self.owner = np.repeat(np.arange(len(paths)), sizes)
         self.first = np.cumsum(sizes) - sizes
 
-    def of(self, lane: int) -> Segments:
+    def of(self, number: int) -> Segments:
         """Return the segments of one path."""
-        first = int(self.first[lane])
-        return self.segments.take(np.arange(first, first + len(self.lanes[lane].path)))
+        first = int(self.first[number])
+        return self.segments.take(np.arange(first, first + len(self.paths[number].path)))
 
     def distances(self, x: float, y: float) -> Floats:
         """Return the distance from a point to each path."""
@@ -176,40 +149,41 @@ class _Scene:
             )
         )
         c = crossings.between(both, i, j + len(lines))
-        return c.i, self.lane[c.j - len(lines)], c.at_i
+        return c.i, self.owner[c.j - len(lines)], c.at_i
 
 
 # --- which path a thread point serves ------------------------------------------------------------
 
 
-def _serves(
-    scene: _Scene, x: int, y: int, only: Collection[int] | None = None
-) -> tuple[int | None, str]:
+def _serves(scene: _Scene, x: int, y: int, only: Collection[int]) -> tuple[int | None, str]:
     """Return the number of the path that (x, y) serves, or None and why.
 
     Scrap lies inside one contour (the innermost around the point) and outside those directly in
     it; on the far side of any other contour there is material in between. Of the paths that bound
     this scrap the nearest is served.
     """
-    lanes = scene.lanes
+    paths = scene.paths
     px, py = np.array([float(x)]), np.array([float(y)])
-    outlines = {p.contour: p for p in lanes if p.scrap_left is not None}
+    outlines = {p.contour: p for p in paths if p.scrap_left is not None}
     around = {c for c, p in outlines.items() if _encloses(p.outline, px, py)}
     # The innermost around the point is the one that is no parent of another one around it.
     inner = around - {outlines[c].parent for c in around}
     home = min(inner, default=-1)
     candidates = []
-    for k, lane in enumerate(lanes):
-        if lane.scrap_left is None:
+    for k, planned in enumerate(paths):
+        if planned.scrap_left is None:
             candidates.append(k)
             continue
-        scrap_inside = _scrap_inside(lane)
+        scrap_inside = _scrap_inside(planned)
         inside_home = home < 0 or _scrap_inside(outlines[home])
-        if (lane.contour == home and scrap_inside) or (
-            lane.contour not in around and lane.parent == home and not scrap_inside and inside_home
+        if (planned.contour == home and scrap_inside) or (
+            planned.contour not in around
+            and planned.parent == home
+            and not scrap_inside
+            and inside_home
         ):
             candidates.append(k)
-    if only is not None and candidates:
+    if candidates:
         candidates = [k for k in candidates if k in only]
         if not candidates:
             return None, "it is not on the scrap side of its own contour"
@@ -217,19 +191,19 @@ def _serves(
         return None, "it lies in kept material"
     distances = scene.distances(float(x), float(y))
     best = min(candidates, key=lambda k: (float(distances[k]), k))
-    lane = lanes[best]
-    if lane.scrap_left is not None and distances[best] > ROUNDED_UM:
-        s = seg.of_rows(lane.outline.starts, lane.outline.ends)
+    planned = paths[best]
+    if planned.scrap_left is not None and distances[best] > ROUNDED_UM:
+        s = seg.of_rows(planned.outline.starts, planned.outline.ends)
         n = len(s)
         drawn = float(seg.distances(s, np.full(n, float(x)), np.full(n, float(y))).min())
-        if drawn < lane.offset_um - ROUNDED_UM:
+        if drawn < planned.offset_um - ROUNDED_UM:
             return None, f"it is only {drawn / 1000:.3f} mm from the contour, within the offset"
     return best, ""
 
 
-def _scrap_inside(lane: Lane) -> bool:
+def _scrap_inside(planned: PlannedPath) -> bool:
     # A counter-clockwise outline has its inside to the left.
-    return lane.scrap_left == (measure.area(lane.outline.vertices) > 0)
+    return planned.scrap_left == (measure.area(planned.outline.vertices) > 0)
 
 
 def _encloses(outline: Contour, x: Floats, y: Floats) -> bool:
@@ -314,27 +288,31 @@ class _Ray:
 
 def _chosen(
     scene: _Scene, numbers: Sequence[int], lead_um: float
-) -> tuple[dict[int, Led], list[int]]:
+) -> tuple[dict[int, Threaded], list[int]]:
     """Return leads that nobody stated (ruling 3), and of which paths they lie along a wall."""
-    result: dict[int, Led] = {}
+    result: dict[int, Threaded] = {}
     rays: list[_Ray] = []
-    centred: dict[int, Led] = {}
+    centred: dict[int, Threaded] = {}
     for number in numbers:
-        lane = scene.lanes[number]
-        path = lane.path
+        planned = scene.paths[number]
+        path = planned.path
         if not path.closed:
-            path = path if lane.enter is None else _started(path, (lane.enter.x, lane.enter.y))
-            result[number] = _before_open(path, _length(lane, lead_um))
+            path = (
+                path
+                if planned.enter is None
+                else _started(path, (planned.enter.x, planned.enter.y))
+            )
+            result[number] = _before_open(path, _length(planned, lead_um))
             continue
         s = scene.of(number)
         inward = measure.area(path.vertices) > 0
-        if lane.enter is not None:
-            row, at = _nearest(s, lane.enter.x, lane.enter.y)
+        if planned.enter is not None:
+            row, at = _nearest(s, planned.enter.x, planned.enter.y)
         elif len(path.vertices) == 1:
             row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
-            if lane.scrap_left is not None and lane.scrap_left == inward:
+            if planned.scrap_left is not None and planned.scrap_left == inward:
                 cx, cy = to_grid([s.cx[0], s.cy[0]]).tolist()
-                centred[number] = Led(rotated(path, s, 0, at), (cx, cy))
+                centred[number] = Threaded(rotated(path, s, 0, at), (cx, cy))
         else:
             middle_x, middle_y = seg.points_at(s, 0.5 * s.length)
             tied = np.flatnonzero(s.length >= s.length.max() - TIE_UM)
@@ -342,17 +320,17 @@ def _chosen(
             order = np.lexsort((np.round(middle_x[tied], 3), np.round(middle_y[tied], 3)))
             row = int(tied[order[0]])
             at = 0.5 * float(s.length[row])
-        left = lane.scrap_left if lane.scrap_left is not None else not inward
+        left = planned.scrap_left if planned.scrap_left is not None else not inward
         rays.append(_ray(number, rotated(path, s, row, at), left))
     if centred:
         blocked = _blocked(scene, centred)
-        result |= {k: led for k, led in centred.items() if k not in blocked}
+        result |= {k: threaded for k, threaded in centred.items() if k not in blocked}
     rays = [ray for ray in rays if ray.number not in result]
-    own = np.array([_length(scene.lanes[ray.number], lead_um) for ray in rays])
+    own = np.array([_length(scene.paths[ray.number], lead_um) for ray in rays])
     lengths, clear = _cleared(scene, rays, np.minimum(own, 0.5 * _free(scene, rays, 2.0 * own)))
     for ray, length in zip(rays, lengths.tolist(), strict=True):
         x, y = to_grid([ray.x + ray.nx * length, ray.y + ray.ny * length]).tolist()
-        result[ray.number] = Led(ray.path, (x, y), True)
+        result[ray.number] = Threaded(ray.path, (x, y), True)
     return result, [ray.number for ray, ok in zip(rays, clear.tolist(), strict=True) if not ok]
 
 
@@ -390,32 +368,32 @@ def _cleared(
     return lengths, ~near
 
 
-def _along_wall(lane: Lane, led: Led, cure: str) -> Diagnostic:
-    x, y = (float(led.path.vertices[k][0]) / 1000 for k in ("x", "y"))
+def _along_wall(planned: PlannedPath, threaded: Threaded, cure: str) -> Diagnostic:
+    x, y = (float(threaded.path.vertices[k][0]) / 1000 for k in ("x", "y"))
     return error(
         "lead-along-wall",
         f"a lead that ends at ({x:.3f}, {y:.3f}) mm can only lie along a wall, which it would "
         "damage: the corner is too acute to be entered from inside",
-        led.path.source_of(0) if lane.enter is None else lane.enter.span,
+        threaded.path.source_of(0) if planned.enter is None else planned.enter.span,
         points_mm=((x, y),),
         hint=cure,
     )
 
 
-def _cure(lane: Lane, words: str, threaded: bool) -> str:
+def _cure(planned: PlannedPath, words: str, threaded: bool) -> str:
     """Return what helps a lead: to move what was stated of it, or to state where it is threaded."""
-    if threaded and lane.enter is not None:
+    if threaded and planned.enter is not None:
         return "move the thread point, or 'enter'"
     first = "move the thread point, or " if threaded else ""
-    first = first if lane.enter is None else "move 'enter', or "
+    first = first if planned.enter is None else "move 'enter', or "
     return f"{first}give a thread point ({words})"
 
 
-def _length(lane: Lane, usual: float) -> float:
-    return usual if lane.lead_um is None else lane.lead_um
+def _length(planned: PlannedPath, usual: float) -> float:
+    return usual if planned.lead_um is None else planned.lead_um
 
 
-def _blocked(scene: _Scene, leads: dict[int, Led]) -> set[int]:
+def _blocked(scene: _Scene, leads: dict[int, Threaded]) -> set[int]:
     """Return the paths whose lead crosses another path."""
     numbers = list(leads)
     lines = _leads_as_lines([leads[k] for k in numbers])
@@ -423,20 +401,20 @@ def _blocked(scene: _Scene, leads: dict[int, Led]) -> set[int]:
     return {numbers[a] for a, b in zip(i.tolist(), other.tolist(), strict=True) if numbers[a] != b}
 
 
-def _leads_as_lines(leads: Sequence[Led]) -> Segments:
+def _leads_as_lines(leads: Sequence[Threaded]) -> Segments:
     x1 = np.array([float(item.path.vertices["x"][0]) for item in leads])
     y1 = np.array([float(item.path.vertices["y"][0]) for item in leads])
     thread = np.array([item.thread for item in leads], float).reshape(-1, 2)
     return _lines(thread[:, 0], thread[:, 1], x1, y1)
 
 
-def _before_open(path: Contour, lead_um: float) -> Led:
+def _before_open(path: Contour, lead_um: float) -> Threaded:
     """Return an open path with a lead along its own direction, from before its first end."""
     v = path.vertices
     one = seg.of_rows(path.starts[:1], path.ends[:1])
     tx, ty = (float(c[0]) for c in seg.start_tangents(one))
     x, y = to_grid([v["x"][0] - tx * lead_um, v["y"][0] - ty * lead_um]).tolist()
-    return Led(path, (x, y), True)
+    return Threaded(path, (x, y), True)
 
 
 #: Where a ray starts, and its direction.
@@ -460,16 +438,18 @@ def _lines(x0: Floats, y0: Floats, x1: Floats, y1: Floats) -> Segments:
     return seg.make(x0, y0, x1, y1, zero, zero, np.zeros(len(x0), np.int8))
 
 
-def collisions(lanes: Sequence[Lane], led: Sequence[Led], cure: str) -> list[Diagnostic]:
+def collisions(
+    paths: Sequence[PlannedPath], threaded: Sequence[Threaded], cure: str
+) -> list[Diagnostic]:
     """Return an error for each lead that meets a path before it arrives; paths are those led to."""
-    return _collisions(_Scene(lanes), led, {}, [cure] * len(led))
+    return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded))
 
 
 def _collisions(
-    scene: _Scene, led: Sequence[Led], spans: dict[int, Span | None], cures: Sequence[str]
+    scene: _Scene, threaded: Sequence[Threaded], spans: dict[int, Span | None], cures: Sequence[str]
 ) -> list[Diagnostic]:
     """Return an error, with its cure, for each lead that meets a path before it arrives."""
-    lines = _leads_as_lines(led)
+    lines = _leads_as_lines(threaded)
     line, path, at = scene.hits(lines)
     # Its own path it meets where it arrives.
     margin = np.where(line == path, 2.0, -1.0)
@@ -484,13 +464,13 @@ def _collisions(
         x0, y0, x1, y1 = (float(getattr(lines, n)[number]) for n in ("x0", "y0", "x1", "y1"))
         hx, hy = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
         what = "its own path before it arrives" if path[k] == number else "another cut"
-        enter = scene.lanes[number].enter
+        enter = scene.paths[number].enter
         stated = spans.get(number) or (None if enter is None else enter.span)
         finding = error(
             "lead-hits",
             f"the lead from ({x0 / 1000:.3f}, {y0 / 1000:.3f}) to ({x1 / 1000:.3f}, "
             f"{y1 / 1000:.3f}) mm meets {what} at ({hx / 1000:.3f}, {hy / 1000:.3f}) mm",
-            stated or led[number].path.source_of(0),
+            stated or threaded[number].path.source_of(0),
             points_mm=((hx / 1000, hy / 1000),),
             hint=cures[number],
         )

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from wedmcam.diag import Diagnostic, warning
 from wedmcam.ir.part import Part
 from wedmcam.options import Options
+from wedmcam.transforms.plan.wording import Wording
 
 #: Options of drawings, and what a part program has in their place.
 _OF_DRAWINGS = (
@@ -28,20 +29,16 @@ _OF_DRAWINGS = (
     ("starts_um", "--start", "each cut names its start"),
     ("order", "--order", "cuts are made in the order in which they are written"),
 )
-#: Options of the wire path: why they have no effect on a drawing, and on a part program.
-_ON_LINE = "the wire runs on the line, without an offset"
-_ENTERED = "every contour is entered from a thread point or from the centre of its circle"
-_OPEN = "it is for closed contours, and all are open"
+#: Options of the wire path, in the order in which they are told.
 _OF_PATH = (
-    ("offset_um", "--offset", "", "each cut names its offset, or runs on its line"),
-    ("corner_um", "--corner", "", "each cut names its corner"),
-    ("sharp", "--convex", _ON_LINE, _ON_LINE),
-    ("trim", "--on-interference", _ON_LINE, _ON_LINE),
-    ("lead_um", "--lead", _ENTERED, "each cut names its lead, or is entered from its start or the "
-     "centre of its circle"),
-    ("stop_um", "--stop", _OPEN, "each cut names its stop, or is open"),
-    ("overcut_um", "--overcut", _OPEN, "each cut names its overcut, or is open"),
-)  # fmt: skip
+    ("offset_um", "--offset"),
+    ("corner_um", "--corner"),
+    ("sharp", "--convex"),
+    ("trim", "--on-interference"),
+    ("lead_um", "--lead"),
+    ("stop_um", "--stop"),
+    ("overcut_um", "--overcut"),
+)
 #: Why a direction that was stated is not that of the wire.
 NEARER_END = "an open contour is run from the end that is nearer to its thread point"
 
@@ -70,24 +67,23 @@ def of_source(part: Part, options: Options) -> list[Diagnostic]:
     return found
 
 
-def of_path(used: Set[str], options: Options, *, part: bool) -> list[Diagnostic]:
+def of_path(used: Set[str], options: Options, words: Wording) -> list[Diagnostic]:
     """Return warnings on options of the wire path that were wished for and not used.
 
     Args:
         used: names of the fields that had an effect.
         options: as asked for.
-        part: the source is a part program.
+        words: of the source.
     """
     found = []
-    for name, word, of_drawing, of_part in _OF_PATH:
-        why = of_part if part else of_drawing
+    for name, word in _OF_PATH:
+        why = words.idle_reasons.get(name)
         # 0 asks for nothing, unless a cut says something else.
-        empty = not getattr(options, name) and not (part and of_part != _ON_LINE)
+        empty = not getattr(options, name) and name not in words.stated
         if why and not empty and name not in used and options.wished(name):
-            code = "wed-option" if part else "idle-option"
             given = [w for w in ("wire", "gap") if f"{w}_um" in (options.wishes or ())]
             if name == "offset_um" and given:
                 word = " and ".join(f"--{w}" for w in given)
             has = "have" if " and " in word else "has"
-            found.append(warning(code, f"{word} {has} no effect: {why}"))
+            found.append(warning(words.idle, f"{word} {has} no effect: {why}"))
     return found

@@ -75,3 +75,17 @@ def _inner_first(parents: Sequence[int]) -> list[int]:
             stack.append((k, True))
             stack += [(c, False) for c in reversed(children[k])]
     return result
+
+
+def parents_of(contour: Sequence[int], parents: Sequence[int]) -> list[int]:
+    """Return for each path the first path of the contour around its own, -1 for none."""
+    first: dict[int, int] = {}
+    for k, c in enumerate(contour):
+        first.setdefault(c, k)
+    result = []
+    for c in contour:
+        parent = parents[c]
+        while parent >= 0 and parent not in first:
+            parent = parents[parent]
+        result.append(first.get(parent, -1))
+    return result

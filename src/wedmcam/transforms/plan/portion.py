@@ -23,12 +23,12 @@ NEAR_STEPS = 4.0
 SHORTEST_UM = 1.0
 
 
-def some(plan: Plan, first: int, last: int) -> Plan:
+def only_cuts(plan: Plan, first: int, last: int) -> Plan:
     """Return the plan of cuts ``first`` to ``last``, 1-based and both inclusive."""
     return replace(plan, cuts=plan.cuts[first - 1 : last], partial=True)
 
 
-def rest(
+def remaining(
     plan: Plan,
     index: int,
     at: tuple[int, int],

@@ -1,0 +1,149 @@
+"""From threaded paths to the cuts of a scene: in their order, each with its stop and overcut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wedmcam.diag import Diagnostic, error, warning
+from wedmcam.geom import measure
+from wedmcam.ir.figure import Reverse
+from wedmcam.ir.plan import Cut, Scene
+from wedmcam.options import Options
+from wedmcam.transforms.plan.idle import NEARER_END, Used
+from wedmcam.transforms.plan.leads import Threaded, lead
+from wedmcam.transforms.plan.order import order, parents_of
+from wedmcam.transforms.plan.paths import PlannedPath
+from wedmcam.transforms.plan.scenes import PieceScene
+from wedmcam.transforms.plan.shaped import ShapedCut
+from wedmcam.transforms.plan.wording import Wording
+
+
+def cuts_of(
+    scene: PieceScene,
+    planned: Scene,
+    number: int,
+    paths: Sequence[PlannedPath],
+    asked: Sequence[ShapedCut],
+    options: Options,
+    used: Used,
+    words: Wording,
+) -> tuple[list[tuple[int, Cut]], list[Diagnostic]]:
+    """Return the cuts of a scene with the numbers of what asks for them, inner contours first.
+
+    Args:
+        scene: its contours.
+        planned: the same as the plan has it, ``number`` in its scenes.
+        number: see there.
+        paths: of the wire.
+        asked: all cuts of the source.
+        options: say what a cut does not.
+        used: takes up what had an effect.
+        words: of the source.
+    """
+    if not paths:
+        return [], []
+    cut_of = [scene.pieces[p.contour].cut for p in paths]
+    own: dict[int, set[int]] = {p.cut: set() for p in scene.pieces}
+    for k, n in enumerate(cut_of):
+        own[n].add(k)
+    threads = [start for n in own for start in asked[n].starts]
+    only = [mine for n, mine in own.items() for _ in asked[n].starts]
+    threaded, found = lead(paths, threads, options.lead_um, only, words.thread_point)
+    if threaded is None:
+        return [], found
+    parents = parents_of([p.contour for p in paths], scene.nesting.parents)
+    drawn = [int(p.outline.vertices["source"].min(initial=1 << 30)) for p in paths]
+    # A part program cuts every scene inner contours first: one cut of it speaks for all.
+    how = asked[cut_of[0]].order
+    made = []
+    for k in order(parents, [t.thread for t in threaded], drawn, how):
+        path, one, item = paths[k], threaded[k], asked[cut_of[k]].item
+        closed = one.path.closed
+        stop = item.stop if item.stop is not None else options.stop_um
+        over = item.overcut if item.overcut is not None else options.overcut_um
+        used.add("stop_um", closed and item.stop is None)
+        used.add("overcut_um", closed and item.overcut is None)
+        used.add("lead_um", one.measured and item.lead is None)
+        cut = Cut(
+            path.outline,
+            one.path,
+            one.thread,
+            scene.nesting.depths[path.contour],
+            None if path.scrap_left is None else not path.scrap_left,
+            stop if closed else 0.0,
+            over if closed else 0.0,
+            planned.first + path.contour + 1,
+            planned.sides[path.contour],
+            path.offset_um,
+            number,
+        )
+        made.append((cut_of[k], cut))
+        if item.lead is not None and not one.measured:
+            found.append(_idle_lead(asked[cut_of[k]]))
+    found += _too_long(made, asked, words)
+    for n, mine in own.items():
+        turned = [paths[k] for k in sorted(mine) if _turned(paths[k], threaded[k])]
+        found += _overruled(turned, asked[n], options, words)
+    return made, found
+
+
+def _idle_lead(asked: ShapedCut) -> Diagnostic:
+    """Return a warning on the 'lead' of a cut that is entered from elsewhere."""
+    return warning(
+        "wed-option",
+        "'lead' has no effect: the cut is entered from "
+        + ("its start" if asked.starts else "the centre of the circle"),
+        asked.item.span,
+    )
+
+
+def _overruled(
+    turned: Sequence[PlannedPath], asked: ShapedCut, options: Options, words: Wording
+) -> list[Diagnostic]:
+    """Return a warning where open paths of a cut are run the other way than was asked for."""
+    said = ["--reverse"] if options.reverse and options.wished("reverse") else []
+    said += ["'reverse'"] if any(isinstance(t, Reverse) for t, _ in asked.item.shape.stages) else []
+    if not said or not turned:
+        return []
+    return [
+        warning(
+            words.idle,
+            f"{said[0]} has no effect: {NEARER_END}",
+            asked.item.span or turned[0].path.source_of(0),
+            count=len(turned),
+        )
+    ]
+
+
+def _turned(planned: PlannedPath, one: Threaded) -> bool:
+    """Return whether a thread point lets an open path be run the other way than it was to be."""
+    if one.path.closed:
+        return False
+    a, b = planned.path.vertices, one.path.vertices
+    return bool(a["x"][0] != b["x"][0] or a["y"][0] != b["y"][0])
+
+
+def _too_long(
+    made: Sequence[tuple[int, Cut]], asked: Sequence[ShapedCut], words: Wording
+) -> list[Diagnostic]:
+    """Return errors where a stop or an overcut is longer than the path."""
+    found = []
+    text, hint = words.too_long
+    for name in ("stop", "overcut"):
+        for number, cut in made:
+            length = cut.stop_um if name == "stop" else cut.overcut_um
+            if not length:
+                continue
+            whole = measure.length(cut.path.vertices, cut.path.closed)
+            if length < whole - 1.0:
+                continue
+            x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
+            said = text.format(
+                name=name,
+                length=f"{length / 1000:.3f}",
+                whole=f"{whole / 1000:.3f}",
+                place=f"({x:.3f}, {y:.3f})",
+            )
+            span = asked[number].item.span or cut.path.source_of(0)
+            found.append(error(f"{name}-too-long", said, span, hint=hint.format(name=name)))
+    return found

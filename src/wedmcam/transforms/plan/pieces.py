@@ -1,0 +1,147 @@
+"""The contours of a cut, each with the side on which the wire runs, its offset and its direction.
+
+A side is named for the outermost contours of a figure; what lies in an odd number of them is on the
+other one, as in a drawing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wedmcam.arithmetic import Arithmetic
+from wedmcam.diag import Diagnostic, TextSpan, error, has_errors
+from wedmcam.geom import measure
+from wedmcam.ir.contour import Contour
+from wedmcam.options import Options
+from wedmcam.transforms import figures
+from wedmcam.transforms.corners import round_corners
+from wedmcam.transforms.merge import merge_arcs
+from wedmcam.transforms.nest import nest
+from wedmcam.transforms.plan.idle import Used
+from wedmcam.transforms.plan.shaped import ShapedCut
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A contour to cut.
+
+    Attributes:
+        cut: number of the cut it belongs to.
+        contour: as it is run.
+        outside: the wire runs outside of it; None for an open contour or ``on``.
+        shift: how far the wire runs to the left, um (negative: right).
+        reverse: the wire runs the contour the other way, on the same path.
+        rounded: its sharp corners were rounded.
+    """
+
+    cut: int
+    contour: Contour
+    outside: bool | None
+    shift: float
+    reverse: bool
+    rounded: bool
+
+
+def runs_outside(depth: int, outside: bool) -> bool:
+    """Return whether the wire runs outside of a contour that so many others enclose.
+
+    ``outside``: it does so of those that none encloses.
+    """
+    return outside == (depth % 2 == 0)
+
+
+def pieces_of(
+    number: int, cut: ShapedCut, options: Options, ar: Arithmetic, used: Used
+) -> tuple[list[Piece], list[Diagnostic]]:
+    """Return the contours of cut ``number`` with the side on which the wire runs."""
+    item, found = cut.item, []
+    side = item.side
+    offset = item.offset if item.offset is not None else options.offset_um
+    if side != "on" and not offset:
+        found.append(
+            error(
+                "no-cut-offset",
+                f"'{side}' needs an offset: how far the wire's centre runs from the outline",
+                item.span,
+                hint="offset 0.1, or --offset for all cuts that say none",
+            )
+        )
+        return [], found
+    offset = 0.0 if side == "on" else float(offset or 0.0)
+    used.add("offset_um", side != "on" and item.offset is None)
+    used.add("corner_um", item.corner is None)
+    for name in ("sharp", "trim"):
+        used.add(name, offset > 0)
+    corner = item.corner if item.corner is not None else options.corner_um
+    if 0 < corner < offset:
+        found.append(
+            error(
+                "wed-value",
+                f"corner {corner / 1000:.3f} mm is below the offset {offset / 1000:.3f} mm: the "
+                "wire could not follow it",
+                item.span,
+            )
+        )
+        return [], found
+    figure = [merge_arcs(c) for c in cut.figure]
+    if side in ("inside", "outside") and cut.nesting is None:
+        found += [_open(c, side, item.span) for c in figure if not c.closed]
+        figure = list(figures.counter_clockwise(figure))
+    found += _for_closed_only(cut, figure)
+    if corner:
+        figure, problems = round_corners(figure, corner, ar)
+        found += problems
+    if has_errors(found):
+        return [], found
+    depths = (nest(figure) if cut.nesting is None else cut.nesting).depths
+    pieces = []
+    for k, (c, depth) in enumerate(zip(figure, depths, strict=True)):
+        if side in ("inside", "outside"):
+            outside = runs_outside(depth, side == "outside")
+            shift = -offset if outside else offset
+            # The drawn sense is run where the side follows it; else what is stated counts.
+            stated = bool(cut.clockwise) and cut.clockwise[k]
+        else:
+            shift = {"left": offset, "right": -offset, "on": 0.0}[side]
+            outside = (shift < 0) == (c.closed and measure.area(c.vertices) > 0)
+            stated = False
+        known = c.closed and side != "on"
+        reverse = stated != options.reverse
+        pieces.append(Piece(number, c, outside if known else None, shift, reverse, corner > 0))
+    return pieces, found
+
+
+def _for_closed_only(cut: ShapedCut, figure: list[Contour]) -> list[Diagnostic]:
+    """Return errors for clauses of a cut that need closed contours, or a single one."""
+    item, found = cut.item, []
+    if item.stop and not all(c.closed for c in figure):
+        found.append(
+            error("wed-value", "a stop is for closed contours; this one is open", item.span)
+        )
+    if item.overcut and not all(c.closed for c in figure):
+        found.append(
+            error("wed-value", "an overcut is for closed contours; this one is open", item.span)
+        )
+    if cut.enter is not None and len(figure) > 1:
+        text = f"'enter' is for one contour; this figure has {len(figure)}"
+        found.append(
+            error("wed-value", text, cut.enter.span, hint="cut each with an enter of its own")
+        )
+    return found
+
+
+def _open(c: Contour, side: str, span: TextSpan | None) -> Diagnostic:
+    x, y = (c.vertices[k] / 1000 for k in ("x", "y"))
+    gap = float(np.hypot(x[-1] - x[0], y[-1] - y[0]))
+    last = c.source_of(len(c) - 1) or span
+    return error(
+        "open-contour",
+        f"to be cut {side} a contour must close: it ends at ({x[-1]:.3f}, {y[-1]:.3f}) mm, "
+        f"{gap:.3f} mm from its start ({x[0]:.3f}, {y[0]:.3f}) mm",
+        last,
+        notes=(("it is cut here", span),),
+        points_mm=((float(x[0]), float(y[0])), (float(x[-1]), float(y[-1]))),
+        hint="'close' draws a line back; 'left', 'right' and 'on' cut along an open contour",
+    )

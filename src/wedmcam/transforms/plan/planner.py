@@ -1,0 +1,68 @@
+"""From the cuts that are asked for to the plan: the stages of this package in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wedmcam.arithmetic import Arithmetic
+from wedmcam.diag import Diagnostic, error, has_errors
+from wedmcam.ir.plan import Cut, Plan, Scene
+from wedmcam.options import Options
+from wedmcam.transforms.plan.cuts import cuts_of
+from wedmcam.transforms.plan.idle import Used, of_path
+from wedmcam.transforms.plan.paths import planned_paths
+from wedmcam.transforms.plan.pieces import Piece, pieces_of
+from wedmcam.transforms.plan.scenes import scenes_of
+from wedmcam.transforms.plan.shaped import ShapedCut
+from wedmcam.transforms.plan.wording import Wording
+
+
+def plan_cuts(
+    asked: Sequence[ShapedCut], options: Options, ar: Arithmetic, words: Wording
+) -> tuple[Plan | None, list[Diagnostic]]:
+    """Return where the wire goes, cut by cut in the order in which they are asked for.
+
+    Args:
+        asked: what is cut and how; a drawing is one cut.
+        options: say what a cut does not.
+        ar: the arithmetic of the formulas.
+        words: of the source.
+    """
+    found: list[Diagnostic] = []
+    pieces: list[Piece] = []
+    used = Used()
+    for number, cut in enumerate(asked):
+        own, problems = pieces_of(number, cut, options, ar, used)
+        pieces += own
+        found += problems
+    if has_errors(found):
+        return None, found
+    scenes, problems = scenes_of(asked, pieces)
+    found += problems
+    if has_errors(found):
+        return None, found
+    cuts: list[tuple[int, Cut]] = []
+    planned: list[Scene] = []
+    first = 0
+    for number, scene in enumerate(scenes):
+        planned.append(scene.as_planned(asked, first))
+        first += len(scene.pieces)
+        paths, problems = planned_paths(scene, asked, options, ar, words)
+        found += problems
+        if paths is None:
+            continue
+        some, problems = cuts_of(scene, planned[-1], number, paths, asked, options, used, words)
+        cuts += some
+        found += problems
+    if has_errors(found):
+        return None, found
+    if not cuts:
+        text, hint = words.nothing_left
+        offset = max((o for scene in planned for o in scene.offsets), default=0.0)
+        return None, [
+            *found,
+            error("nothing-to-cut", text.format(offset=f"{offset / 1000:.3f}"), hint=hint),
+        ]
+    found += of_path(used.names, options, words)
+    cuts.sort(key=lambda numbered: numbered[0])
+    return Plan(tuple(cut for _, cut in cuts), tuple(planned)), found

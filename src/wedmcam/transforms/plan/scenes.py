@@ -1,0 +1,170 @@
+"""Which contours make one part, and what of it is kept.
+
+Cuts that make one part (an outline and the holes in it) must know each other: they form a *scene*,
+are compensated together and judged against one kept material. Cuts that cannot belong to one part
+(the punch and the die of one outline) are scenes of their own. Within a scene, what lies in an even
+number of outlines is one thing and the rest the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, error, has_errors
+from wedmcam.geom import measure
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.plan import Scene, Side
+from wedmcam.transforms.doubles import place
+from wedmcam.transforms.meetings import contour_meetings
+from wedmcam.transforms.nest import Nesting, nest
+from wedmcam.transforms.plan.pieces import Piece
+from wedmcam.transforms.plan.shaped import ShapedCut
+
+#: Boxes that are as equal as this are the boxes of one outline, um.
+EQUAL_UM = 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PieceScene:
+    """Contours that make one part, and how they lie in each other.
+
+    ``keeps``: what is kept of it, PART or DIE; None where no side keeps anything.
+    """
+
+    pieces: tuple[Piece, ...]
+    nesting: Nesting
+    keeps: Side | None
+
+    def as_planned(self, cuts: Sequence[ShapedCut], first: int) -> Scene:
+        """Return the scene of a plan in which ``first`` outlines come before."""
+        return Scene(
+            tuple(p.contour for p in self.pieces),
+            self.nesting.depths,
+            tuple(abs(p.shift) for p in self.pieces),
+            tuple(self._side(cuts[p.cut].item.side) for p in self.pieces),
+            self.keeps,
+            first,
+        )
+
+    def _side(self, word: str) -> Side:
+        if word in ("inside", "outside"):
+            assert self.keeps is not None, "a contour with an inside keeps one of two sides"
+            return self.keeps
+        return Side(word)
+
+
+def scenes_of(
+    cuts: Sequence[ShapedCut], pieces: Sequence[Piece]
+) -> tuple[list[PieceScene], list[Diagnostic]]:
+    """Return the contours in groups that can be one part, and the rest each alone.
+
+    A cut of which the nesting is known is one part as it is.
+    """
+    if not pieces:
+        return [], []
+    known = cuts[0].nesting
+    if len(cuts) == 1 and known is not None:
+        return _one_scene(pieces, known, cuts[0].item.side)
+    alone = [PieceScene((p,), nest([p.contour]), None) for p in pieces if p.outside is None]
+    sided = [p for p in pieces if p.outside is not None]
+    if not sided:
+        return alone, []
+    found: list[Diagnostic] = list(contour_meetings(_once(sided)))
+    if has_errors(found):
+        return [], found
+    nesting = _one_part(sided)
+    if nesting is not None:
+        groups = [(sided, nesting)]
+    else:
+        groups, found = _groups(sided)
+    scenes = []
+    for group, nested in groups:
+        some, problems = _one_scene(group, nested, cuts[group[0].cut].item.side)
+        scenes += some
+        found += problems
+    return [*scenes, *alone], found
+
+
+def _groups(
+    sided: Sequence[Piece],
+) -> tuple[list[tuple[list[Piece], Nesting]], list[Diagnostic]]:
+    """Return cuts in groups: each joins the first one with which it can be one part."""
+    found: list[Diagnostic] = []
+    groups: list[tuple[list[Piece], Nesting]] = []
+    for number in dict.fromkeys(p.cut for p in sided):
+        own = [p for p in sided if p.cut == number]
+        crossing = list(contour_meetings([p.contour for p in own]))
+        if has_errors(crossing):
+            found += crossing
+            continue
+        for k, (group, _) in enumerate(groups):
+            nesting = _one_part([*group, *own])
+            if nesting is not None:
+                groups[k] = ([*group, *own], nesting)
+                break
+        else:
+            groups.append((own, nest([p.contour for p in own])))
+    return groups, found
+
+
+def _once(pieces: Sequence[Piece]) -> list[Contour]:
+    """Return the contours, of equal ones (a punch and its die) the first: others must not cross."""
+    contours = [p.contour for p in pieces]
+    boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
+    return [
+        c
+        for k, c in enumerate(contours)
+        if not k or np.abs(boxes[:k] - boxes[k]).max(axis=1).min() >= EQUAL_UM
+    ]
+
+
+def _one_part(pieces: Sequence[Piece]) -> Nesting | None:
+    """Return how contours lie in each other, None where they cannot be one part."""
+    contours = [p.contour for p in pieces]
+    nesting = nest(contours)
+    if _kept(pieces, nesting) is None or has_errors(contour_meetings(contours)):
+        return None
+    return nesting
+
+
+def _one_scene(
+    pieces: Sequence[Piece], nesting: Nesting, word: str
+) -> tuple[list[PieceScene], list[Diagnostic]]:
+    """Return contours as one scene, or an error where their sides contradict each other.
+
+    ``word``: the side of the cut of the first one.
+    """
+    if pieces[0].outside is None:
+        return [PieceScene(tuple(pieces), nesting, None)], []
+    keeps = _kept(pieces, nesting)
+    if keeps is not None:
+        return [PieceScene(tuple(pieces), nesting, keeps)], []
+    inside = _inside_kept(pieces, nesting)
+    one, other = pieces[0].contour, pieces[inside.index(not inside[0])].contour
+    at, there = ((float(c.vertices["x"][0]), float(c.vertices["y"][0])) for c in (one, other))
+    return [], [
+        error(
+            "closed-left-right",
+            f"the closed contour at {place(*there)} mm keeps what the one at {place(*at)} mm of "
+            f"the same cut takes away: both are cut {word}",
+            other.source_of(0),
+            points_mm=((there[0] / 1000, there[1] / 1000),),
+            hint="'inside' and 'outside' keep one of the two, whatever way the contours run",
+        )
+    ]
+
+
+def _kept(pieces: Sequence[Piece], nesting: Nesting) -> Side | None:
+    """Return what of nested contours is kept, None where their sides contradict each other."""
+    inside = set(_inside_kept(pieces, nesting))
+    if len(inside) != 1:
+        return None
+    return Side.PART if inside.pop() else Side.DIE
+
+
+def _inside_kept(pieces: Sequence[Piece], nesting: Nesting) -> list[bool]:
+    """Return for each contour whether its side says that what outermost ones enclose is kept."""
+    return [p.outside == (d % 2 == 0) for p, d in zip(pieces, nesting.depths, strict=True)]

@@ -1,0 +1,80 @@
+"""What the user of a drawing, and of a part program, calls what a planner speaks of.
+
+The two are planned alike; only where something is stated differs: an option, or a clause of a cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+_ON_LINE = "the wire runs on the line, without an offset"
+_ENTERED = "every contour is entered from a thread point or from the centre of its circle"
+_OPEN = "it is for closed contours, and all are open"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wording:
+    """Words of one kind of source.
+
+    Attributes:
+        corner: what rounds corners.
+        thread_point: how a thread point is given.
+        nothing_left: no contour is left to cut: text, with {offset} in mm, and hint.
+        too_long: {name} (stop, overcut) of {length} mm is longer than the path of {whole} mm that
+            starts at {place} mm: text and hint.
+        idle: code of what was stated and has no effect.
+        idle_reasons: field of the options -> why it had no effect, where none was taken up; fields
+            that are not named have one always.
+        stated: fields that a cut may state by itself: then an option of 0 is a wish, too.
+    """
+
+    corner: str
+    thread_point: str
+    nothing_left: tuple[str, str | None]
+    too_long: tuple[str, str]
+    idle: str
+    idle_reasons: Mapping[str, str]
+    stated: frozenset[str]
+
+
+OF_DRAWING = Wording(
+    corner="--corner",
+    thread_point="--start X,Y; a POINT on layer START",
+    nothing_left=("with an offset of {offset} mm no contour is left to cut", "a smaller offset"),
+    too_long=(
+        "--{name} {length} mm is longer than the path of {whole} mm that starts at {place} mm",
+        "a shorter --{name}",
+    ),
+    idle="idle-option",
+    idle_reasons={
+        "sharp": _ON_LINE,
+        "trim": _ON_LINE,
+        "lead_um": _ENTERED,
+        "stop_um": _OPEN,
+        "overcut_um": _OPEN,
+    },
+    stated=frozenset(),
+)
+
+OF_PART = Wording(
+    corner="'corner'",
+    thread_point="'start' of the cut",
+    nothing_left=("no contour is left to cut", None),
+    too_long=(
+        "'{name}' of {length} mm is longer than the path of {whole} mm",
+        "a shorter {name}",
+    ),
+    idle="wed-option",
+    idle_reasons={
+        "offset_um": "each cut names its offset, or runs on its line",
+        "corner_um": "each cut names its corner",
+        "sharp": _ON_LINE,
+        "trim": _ON_LINE,
+        "lead_um": "each cut names its lead, or is entered from its start or the centre of its "
+        "circle",
+        "stop_um": "each cut names its stop, or is open",
+        "overcut_um": "each cut names its overcut, or is open",
+    },
+    stated=frozenset({"offset_um", "corner_um", "lead_um", "stop_um", "overcut_um"}),
+)

@@ -348,7 +348,8 @@ def verify(
         options: how the drawing is cut.
         **mm: instead of ``options``, its fields in mm.
 
-    What is proven is the part: another order, other leads, are notes.
+    What is proven is the part: another order, other leads, are notes. A program with a certificate
+    is one of ours: order and leads are to be the plan's.
     """
     data, name = _bytes(program, name)
     machine = _reader_machine(data, name, format, profile)
@@ -379,7 +380,8 @@ def verify(
             if drawn is None or plan is None:
                 drawn = pipeline.read(drawing, drawing_name, options, run)
                 plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
-            decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm)
+            ours = certificate is not None
+            decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm, ours)
             if certificate is not None and _same(certificate, "output", data):
                 run.add("certificate", _check_figures(certificate, verdict, drawing))
         else:
@@ -546,8 +548,12 @@ def _judged(
     options: Options,
     run: Run,
     origin_mm: tuple[float, float] | None,
+    ours: bool,
 ) -> tuple[Program, Verdict]:
-    """Judge at the stated origin; else at the plan's; else where the program fits best."""
+    """Judge at the stated origin; else at the plan's; else where the program fits best.
+
+    ``ours``: it is said to be a program of this plan, so that order and leads are the plan's too.
+    """
     from dataclasses import replace
 
     from wedmcam.judge.fit import fit
@@ -557,7 +563,9 @@ def _judged(
     table = LineTable(machine.table)
     textbook = pipeline.count_of(machine, options) == "textbook"
 
-    def at(program: Program, strict: bool = False) -> tuple[Verdict, list[Diagnostic]]:
+    def at(
+        program: Program, strict: bool = ours, fitted: bool = False
+    ) -> tuple[Verdict, list[Diagnostic]]:
         return judge(
             program,
             plan,
@@ -566,6 +574,7 @@ def _judged(
             count="textbook" if textbook else "exact",
             strict_order=strict,
             trimmed=options.trim,
+            fitted=fitted,
         )
 
     unfit: list[Diagnostic] = []
@@ -577,15 +586,15 @@ def _judged(
     else:
         placed = replace(decoded, origin=in_steps(plan, decoded.step_um).cuts[0].thread)
         verdict, found = at(placed)
-        if not verdict.ok:
+        if not verdict.ok and not ours:
             fitted, notes = fit(decoded, plan, table=table)
             if fitted is None:
                 unfit = notes
             else:
-                better, more = at(fitted)
+                better, more = at(fitted, fitted=fitted.origin != placed.origin)
                 if better.ok or better.max_deviation_um < verdict.max_deviation_um:
                     placed, verdict, found = fitted, better, [*notes, *more]
-    if not verdict.ok and len(verdict.cuts) < len(plan.cuts):
+    if not ours and not verdict.ok and len(verdict.cuts) < len(plan.cuts):
         # A contour that lies nowhere says little. Followed in the plan's order, the first block
         # that leaves it does, if the program is one of this plan at all.
         strict, named = at(placed, strict=True)

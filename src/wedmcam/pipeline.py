@@ -184,12 +184,13 @@ def plan(drawn: Drawn, options: Options, run: Run) -> Plan:
         from wedmcam.transforms import items
 
         return run("plan", items.plan(drawn.items, options, arithmetic(options)))
-    from wedmcam.transforms import planning
+    from wedmcam.transforms import planning, walls
     from wedmcam.transforms.merge import merge_arcs
 
     side = options.effective_side
     contours = [merge_arcs(c) for c in drawn.contours]
     run.add("open", planning.unfit(contours, options, side))
+    run.add("walls", walls.thin(contours, walls.kept_sides(drawn.nesting.depths, side)))
     if options.corner_um:
         from wedmcam.transforms.corners import round_corners
 

@@ -3,6 +3,20 @@
 It did not make the program and shares no geometry with what made it. What is proven is in
 ``deviation`` (the wire's way is the planned route, run once, in order, in its sense) and in
 ``material`` (the wire stays out of what is kept and reaches all of the outline it can reach).
+
+What is proven of leads. In strict order (what was compiled here, and what has a certificate): each
+is the plan's within the limit of the path, starts or ends exactly at the plan's thread point, goes
+back over an overcut in its kerf, and the program ends where the plan does. Otherwise (a program
+from elsewhere) leads are its own, and
+
+- they enter no kept material and meet no other cut (``material``, ``leads``);
+- each closed cut returns to where it was threaded, to the step; an open one ends with its path, or
+  does likewise. Where it is known at which place the program starts, the plan's thread point will
+  do as well; where that was fitted it will not: then a wrong first lead-in would go unseen, because
+  the fit lays the contour in its place and the error on the start.
+
+Where a cut is run twice the second pass is proven like the first; that is a warning, and in strict
+order an error.
 """
 
 from __future__ import annotations
@@ -18,6 +32,7 @@ from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, LineTable, Program, Role
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.deviation import SLOP, measure
+from wedmcam.judge.leads import hits
 from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
 from wedmcam.judge.route import Route, plan_route
 from wedmcam.judge.runs import Assigned, assign, mm, per_mm, runs, span_of
@@ -48,6 +63,7 @@ def judge(
     gouge_limit_um: float = 1.6,
     strict_order: bool = True,
     trimmed: bool = False,
+    fitted: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge a decoded program.
 
@@ -65,6 +81,7 @@ def judge(
         gouge_limit_um: largest depth of the wire in the kept material, likewise.
         strict_order: False proves the part only: order, sense, start and leads may differ from the
             plan's and are notes.
+        fitted: where the program starts is not known, but was fitted.
         trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
             missing are warnings then.
 
@@ -74,7 +91,7 @@ def judge(
     way = walk(program, table, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps)
     plan = in_steps(plan, program.step_um)
-    case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order)
+    case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order, fitted)
     verdict, found = case.judge(way, count)
     verdict = told_in_um(verdict, program.step_um)
     findings.extend(found)
@@ -114,6 +131,7 @@ class _Case(NamedTuple):
     gouge_limit_um: float
     trimmed: bool
     strict_order: bool
+    fitted: bool
 
     @property
     def per(self) -> float:
@@ -174,6 +192,13 @@ class _Case(NamedTuple):
             closure, found = self._ends(way, a, cuts[k], route, t, mine, k, count)
             closures.append(closure)
             findings.extend(found)
+        findings.extend(self._leads(route, [a.cut for a in assigned]))
+        if self.strict_order:
+            findings.extend(self._end(way, cuts[-1]))
+            if has_errors(findings):
+                from wedmcam.judge.match import repeated
+
+                findings.extend(repeated(way, self.program, self.plan))
 
         gouge, uncut = None, None
         for (kind, own), material in zip(kinds, materials, strict=True):
@@ -237,7 +262,7 @@ class _Case(NamedTuple):
                 lead_deviation_um=max((r.lead_deviation_um for r in rows), default=0.0),
                 gouge_um=gouge,
                 uncut_um=uncut,
-                contours=len(assigned),
+                contours=len({a.cut for a in assigned}),
                 extents_um=_extents(m.extents, way.end[index]),
                 cuts=rows,
                 make_table=cache(table),
@@ -378,18 +403,19 @@ class _Case(NamedTuple):
                     "missing-piece",
                     way,
                     last,
-                    f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end",
+                    f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end"
+                    + _nowhere(way, last),
                 )
             )
-        elif self.strict_order and route.closed[k] and np.hypot(*(end - cut.thread)) > limit:
-            tx, ty = cut.thread
+        elif not self._may_end(way, a, cut, end, limit):
+            x, y = cut.thread if self.strict_order else way.start[int(a.index[0])]
             findings.append(
                 self._block_error(
                     "thread-point",
                     way,
                     last,
-                    f"does not return to the thread point {mm(tx, ty, self.per)} mm of "
-                    f"cut {a.cut + 1}",
+                    f"does not return to the thread point {mm(x, y, self.per)} mm of "
+                    f"cut {a.cut + 1}{_nowhere(way, last)}",
                 )
             )
         if self.strict_order:
@@ -435,6 +461,48 @@ class _Case(NamedTuple):
                 )
             )
         return closure, findings
+
+    def _may_end(self, way: Walk, a: Assigned, cut: Cut, end: Ints, limit: float) -> bool:
+        """Return whether a cut may end at a place."""
+
+        def there(x: float, y: float) -> bool:
+            return bool(np.hypot(end[0] - x, end[1] - y) <= limit)
+
+        if self.strict_order:
+            return not cut.path.closed or there(*cut.thread)
+        v = cut.path.vertices[[0, -1]]
+        if not cut.path.closed and np.hypot(end[0] - v["x"], end[1] - v["y"]).min() <= LOST:
+            return True  # how exactly is measured like the path
+        return there(*way.start[int(a.index[0])]) or (not self.fitted and there(*cut.thread))
+
+    def _leads(self, route: Route, numbers: Sequence[int]) -> list[Diagnostic]:
+        """Report the first place at which leads of a cut meet another cut."""
+        return [
+            error(
+                "lead-hits",
+                f"a lead of cut {a + 1} meets cut {b + 1} at {mm(x, y, self.per)} mm",
+                points_mm=((x / self.per, y / self.per),),
+                hint="a lead may run in scrap only, and meet no other cut",
+            )
+            for a, b, x, y in hits(route, np.array(numbers))
+        ]
+
+    def _end(self, way: Walk, cut: Cut) -> list[Diagnostic]:
+        """Report a last move that leads away from where the plan ends."""
+        moves = np.flatnonzero(way.blocks["kind"] == Kind.MOVE)
+        if not len(moves) or moves[-1] < _last(way):
+            return []
+        row = int(moves[-1])
+        if (way.end[row] == way.end[_last(way)]).all():
+            return []
+        return [
+            self._block_error(
+                "thread-point",
+                way,
+                row,
+                "moves on behind the last cut: the program does not end where the plan ends",
+            )
+        ]
 
     def _pauses(
         self, way: Walk, a: Assigned, cut: Cut, route: Route, high: Floats, k: int
@@ -541,6 +609,16 @@ class _Case(NamedTuple):
                 )
             )
         return c.uncut_um
+
+
+def _last(way: Walk) -> int:
+    """Return the row of the last block that cuts."""
+    return int(np.flatnonzero(way.cutting & (way.steps > 0))[-1])
+
+
+def _nowhere(way: Walk, row: int) -> str:
+    """Return what it means that a block ends at a wrong place, if it is the last."""
+    return ": the program does not end where the plan ends" if row == _last(way) else ""
 
 
 def _mine(kind: Plan, whole: Plan, cuts: Sequence[Cut]) -> Bools:

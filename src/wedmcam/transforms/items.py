@@ -24,7 +24,7 @@ from wedmcam.ir.part import CutItem, Part
 from wedmcam.ir.plan import Cut, Order, Plan, Side
 from wedmcam.ir.sketch import SEGMENT, Sketch, SketchInfo, ThreadPoint
 from wedmcam.options import Options
-from wedmcam.transforms import figures, planning
+from wedmcam.transforms import figures, planning, walls
 from wedmcam.transforms.compensate import compensate
 from wedmcam.transforms.corners import round_corners
 from wedmcam.transforms.leads import Lane, lead
@@ -123,6 +123,14 @@ def plan(
         return None, found
     scenes, problems = _scenes(pieces)
     found += problems
+    if has_errors(found):
+        return None, found
+    every_piece = [(number, p) for number, scene in enumerate(scenes) for p in scene]
+    found += walls.thin(
+        [p.contour for _, p in every_piece],
+        [p.outside for _, p in every_piece],
+        [number for number, _ in every_piece],
+    )
     if has_errors(found):
         return None, found
     made: list[tuple[int, Cut]] = []

@@ -25,8 +25,8 @@ from wedmcam.judge.segments import (
 #: A lead and a wire path this near to each other meet, um: the noise of float64 and no more, since
 #: a plan may lay a lead beside another cut as near as it likes.
 MEETS = 1e-3
-#: So near to its own path a lead has arrived, um.
-ARRIVES = 2.0
+#: So near to its own path a lead has arrived, um: what it meets there lies in one kerf.
+ARRIVES = 10.0
 
 
 def hits(route: Route, number: Ints) -> list[tuple[int, int, float, float]]:

@@ -27,7 +27,7 @@ from wedmcam.options import Options
 from wedmcam.transforms import figures, planning, walls
 from wedmcam.transforms.compensate import compensate
 from wedmcam.transforms.corners import round_corners
-from wedmcam.transforms.leads import Lane, lead
+from wedmcam.transforms.leads import Lane, Led, across, lead
 from wedmcam.transforms.meetings import contour_meetings
 from wedmcam.transforms.merge import merge_arcs
 from wedmcam.transforms.nest import Nesting, nest
@@ -149,6 +149,8 @@ def plan(
         made += led
         parts += _kept(scene, nesting, [c for _, c in led], base)
         base += len(scene)
+    if len(scenes) > 1 and not has_errors(found):
+        found += across([Led(c.path, c.thread) for _, c in made], "'start' of the cut")
     if has_errors(found):
         return None, found
     made.sort(key=lambda m: m[0])

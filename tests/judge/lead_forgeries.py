@@ -1,0 +1,199 @@
+"""Forged leads: programs of which the contours are right and a lead is not, and what is proven.
+
+A lead is replaced by other lines, in the way in and in the way out of every cut. Behind it the
+program goes on as it was (`carried`: all that follows is displaced), or the move before or behind
+makes up for it (`mended`: all that follows is in its place). What must be refused:
+
+- of a program with a certificate (strict order), every one of them;
+- of any other, those that enter kept material, meet another cut, or end where they may not, and
+  those that displace a contour by more than the limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from judge_cases import line, move
+
+from wedmcam import api, pipeline
+from wedmcam.diag import Severity
+from wedmcam.ir.plan import Side
+from wedmcam.ir.program import Kind, LineTable, Program
+from wedmcam.judge.match import paired
+from wedmcam.judge.unit import in_steps
+from wedmcam.judge.walk import walk
+
+#: A forged lead is off by at least so much, um: within 2 um a lead may well be the plan's.
+OFF = (3, 20, 500)
+
+
+@dataclass(frozen=True, eq=False)
+class Forged:
+    """A program with a forged lead; ``refused`` is that no proof may pass it."""
+
+    name: str
+    program: Program
+    refused: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Lead:
+    """A way in or out: rows of the program, where it begins and ends, and what it is of."""
+
+    cut: int
+    into: bool
+    rows: np.ndarray
+    first: int
+    start: np.ndarray
+    end: np.ndarray
+
+
+def leads(made: Any) -> list[Lead]:
+    """Return the leads of a compiled program."""
+    program, table = made.program, LineTable(made.machine.table)
+    plan = in_steps(made.plan, program.step_um)
+    way = walk(program, table)
+    out = []
+    for piece, k in paired(way, plan):
+        assert k >= 0
+        index, none = piece.index, np.zeros(0, np.int64)
+        contour = index[piece.first], index[piece.last - 1]
+        rows = index[: piece.first] if piece.first else none
+        out.append(
+            Lead(k, True, rows, int(index[0]), way.start[index[0]], way.start[contour[0]])
+        )
+        if plan.cuts[k].path.closed:
+            rows = index[piece.out :]
+            first = int(rows[0]) if len(rows) else int(contour[1]) + 1
+            out.append(Lead(k, False, rows, first, way.end[contour[1]], way.end[index[-1]]))
+    return out
+
+
+def forged(made: Any) -> Iterator[Forged]:
+    """Yield programs with one forged lead each."""
+    every = leads(made)
+    for lead in every:
+        whole = (lead.end - lead.start).astype(float)
+        if not lead.into and len(lead.rows) != 1:
+            whole = None  # back over an overcut: only what has no direction of its own
+        for name, points, wrong in _ways(lead, whole, every, made):
+            for how in ("carried", "mended"):
+                program, shift = _with(made, lead, points, how == "mended")
+                if program is None:
+                    continue
+                refused = wrong or (how == "carried" and shift > 8)
+                yield Forged(
+                    f"cut {lead.cut + 1} {'in' if lead.into else 'out'}: {name}, {how}",
+                    program,
+                    refused,
+                )
+
+
+def _ways(
+    lead: Lead, whole: np.ndarray | None, every: list[Lead], made: Any
+) -> Iterator[tuple[str, list[np.ndarray], bool]]:
+    """Yield names, the places that a forged lead runs through, and whether it may never pass."""
+    a, b = lead.start.astype(float), lead.end.astype(float)
+    ends = not lead.into  # a way out has to end where the wire was threaded
+    sided = made.plan.side in (Side.PART, Side.DIE) and made.plan.offset_um > 0
+    if whole is not None and np.hypot(*whole) > 10:
+        length = float(np.hypot(*whole))
+        u = whole / length
+        n = np.array([-u[1], u[0]])
+        for off in (1, *OFF):
+            if off < length - 2:
+                yield f"short by {off}", [a, b - off * u] if ends else [a + off * u, b], ends
+            yield f"long by {off}", [a, b + off * u] if ends else [a - off * u, b], ends
+            if off > 1:
+                yield f"turned by {off}", [a, b + off * n] if ends else [a + off * n, b], ends
+                yield f"aside by {off}", [a, a + off * n, b + off * n, b], False
+                yield f"bent by {off}", [a, (a + b) / 2 + off * n, b], False
+        for angle in (90, 180, 270):
+            c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+            other = np.array([c * whole[0] - s * whole[1], s * whole[0] + c * whole[1]])
+            # Half a turn leads to the other side of the path: into what is kept.
+            deep = sided and angle == 180 and length > 50
+            yield f"turned by {angle}", [a, a + other] if ends else [b - other, b], ends or deep
+        yield "doubled", [a, b, a, b], False
+        yield "there, back", [a, b, a] if ends else [b, a, b], ends
+    yield "dropped", [b, b] if lead.into else [a, a], ends and bool((a != b).any())
+    for other in every:
+        if other.cut == lead.cut or other.into != lead.into:
+            continue
+        # To the other cut, across its path and back.
+        on = (other.end if other.into else other.start).astype(float)
+        near = a if ends else b
+        beyond = near + (on - near) * 1.05 + 1
+        if np.hypot(*(on - near)) > 100:
+            points = [a, beyond, a, b] if ends else [a, b, beyond, b]
+            yield f"across cut {other.cut + 1}", points, True
+        if (other.end - other.start != lead.end - lead.start).any() and whole is not None:
+            moved = (other.end - other.start).astype(float)
+            name = f"that of cut {other.cut + 1}"
+            yield name, [a, a + moved] if ends else [b - moved, b], ends
+        break
+
+
+def _with(
+    made: Any, lead: Lead, points: list[np.ndarray], mended: bool
+) -> tuple[Program | None, float]:
+    """Return the program with another lead, and by how much what follows is displaced."""
+    program, table = made.program, LineTable(made.machine.table)
+    whole = [np.round(p).astype(np.int64) for p in points]
+    legs = [q - p for p, q in zip(whole, whole[1:], strict=False) if (q != p).any()]
+    rows = [line(int(x), int(y), table) for x, y in legs]
+    b = program.blocks
+    before, after = b[: lead.first], b[lead.first + len(lead.rows) :]
+    # How much farther the forged lead leads than the right one did.
+    more = sum(legs, np.zeros(2, np.int64)) - (lead.end - lead.start)
+    origin = np.array(program.origin)
+    if not more.any():
+        if mended:
+            return None, 0.0  # nothing to mend
+    elif mended:
+        moves = np.flatnonzero((before if lead.into else after)["kind"] == Kind.MOVE)
+        if lead.into and not len(moves):
+            origin = origin - more
+        elif len(moves):
+            some = (before if lead.into else after).copy()
+            k = int(moves[-1] if lead.into else moves[0])
+            m = walk(replace(program, blocks=some[k : k + 1], spans=(), words=()), table)
+            x, y = (int(v) for v in m.end[0] - m.start[0] - more)
+            if x == 0 == y:
+                return None, 0.0
+            some[k : k + 1] = move(x, y, table)
+            before, after = (some, after) if lead.into else (before, some)
+        else:
+            return None, 0.0  # the last way out: nothing follows
+    blocks = np.concatenate([before, *rows, after])
+    if len(blocks) == len(b) and (blocks == b).all():
+        return None, 0.0
+    last = not lead.into and not (after["kind"] <= Kind.ARC).any()
+    made_ = replace(program, blocks=blocks, origin=tuple(origin.tolist()), spans=(), words=())
+    return made_, 0.0 if last else float(np.hypot(*more))
+
+
+def passes(made: Any, program: Program, ours: bool) -> bool:
+    """Return whether ``verify --against`` passes a program, with a certificate or without."""
+    run = pipeline.Run()
+    try:
+        api._judged(program, made.plan, made.machine, made.options, run, None, ours)
+    except pipeline.Refused:
+        return False
+    return all(d.severity < Severity.ERROR for d in run.found)
+
+
+def strict(made: Any, program: Program) -> bool:
+    """Return whether the judge of ``compile`` passes a program, which knows where it starts."""
+    from wedmcam.judge.judge import judge
+
+    return judge(
+        program,
+        made.plan,
+        table=LineTable(made.machine.table),
+        limits=made.machine.limits,
+        count="textbook" if pipeline.count_of(made.machine, made.options) == "textbook" else "exact",
+    )[0].ok

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from drawings import drawing
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drawings import drawing
 from wedmcam import api
 from wedmcam.diag import Severity
 from wedmcam.geom import segments as seg
@@ -43,7 +43,9 @@ def round_rect(m, x, y, w, r):
 def told(draw, **options):
     made = api.compile(drawing(lambda _, m: draw(m)), **{"offset": 0.1, **options})
     return made.status, {
-        d.code: d for d in made.findings if d.code in ("drawn-twice", "thin-wall", "crossing-contours")
+        d.code: d
+        for d in made.findings
+        if d.code in ("drawn-twice", "thin-wall", "crossing-contours")
     }
 
 

@@ -12,8 +12,9 @@ from elsewhere) leads are its own, and
 - they enter no kept material and meet no other cut (``material``, ``leads``);
 - each closed cut returns to where it was threaded, to the step; an open one ends with its path, or
   does likewise. Where it is known at which place the program starts, the plan's thread point will
-  do as well; where that was fitted it will not: then a wrong first lead-in would go unseen, because
-  the fit lays the contour in its place and the error on the start.
+  do as well. Where that was fitted it will not, and an open cut, which returns nowhere, has to be
+  threaded where the plan says: else a wrong first lead-in would go unseen, because the fit lays the
+  contour in its place and the error on the start.
 
 Where a cut is run twice the second pass is proven like the first; that is a warning, and in strict
 order an error.
@@ -117,6 +118,10 @@ def judge(
     return verdict._replace(ok=not has_errors(findings)), findings
 
 
+#: How far an open cut may end from the end of its path, um: that is rounded, and an arc may end one
+#: off.
+OPEN_END = 1.5
+
 #: A block ends on a vertex up to the first, um along the route; up to the second it was meant for
 #: it, if no other block ends there.
 SLIP, SLIPPED = 1.5, 1000.0
@@ -147,8 +152,7 @@ class _Case(NamedTuple):
             backwards = [False] * len(cuts)
             route = None
             if cuts:
-                retrace = [_retraces(way, a, c) for a, c in zip(assigned, cuts, strict=True)]
-                route = plan_route(cuts, retrace)
+                route = plan_route(cuts)
         else:
             from wedmcam.judge.match import match
 
@@ -407,17 +411,11 @@ class _Case(NamedTuple):
                     + _nowhere(way, last),
                 )
             )
-        elif not self._may_end(way, a, cut, end, limit):
-            x, y = cut.thread if self.strict_order else way.start[int(a.index[0])]
-            findings.append(
-                self._block_error(
-                    "thread-point",
-                    way,
-                    last,
-                    f"does not return to the thread point {mm(x, y, self.per)} mm of "
-                    f"cut {a.cut + 1}{_nowhere(way, last)}",
-                )
-            )
+        elif wrong := self._wrong_end(way, a, cut, end, limit):
+            text = f"{wrong}{_nowhere(way, last)}"
+            findings.append(self._block_error("thread-point", way, last, text))
+        if self.fitted and not cut.path.closed:
+            findings.extend(self._loose_start(way, a, cut))
         if self.strict_order:
             findings.extend(self._pauses(way, a, cut, route, high, k))
         if not route.closed[k]:
@@ -462,18 +460,42 @@ class _Case(NamedTuple):
             )
         return closure, findings
 
-    def _may_end(self, way: Walk, a: Assigned, cut: Cut, end: Ints, limit: float) -> bool:
-        """Return whether a cut may end at a place."""
+    def _wrong_end(self, way: Walk, a: Assigned, cut: Cut, end: Ints, limit: float) -> str:
+        """Return what is wrong with the place at which a cut ends; empty where nothing is."""
 
-        def there(x: float, y: float) -> bool:
-            return bool(np.hypot(end[0] - x, end[1] - y) <= limit)
+        def off(x: float, y: float) -> float:
+            return float(np.hypot(end[0] - x, end[1] - y))
 
-        if self.strict_order:
-            return not cut.path.closed or there(*cut.thread)
-        v = cut.path.vertices[[0, -1]]
-        if not cut.path.closed and np.hypot(end[0] - v["x"], end[1] - v["y"]).min() <= LOST:
-            return True  # how exactly is measured like the path
-        return there(*way.start[int(a.index[0])]) or (not self.fitted and there(*cut.thread))
+        threaded = way.start[int(a.index[0])]
+        place = cut.thread if self.strict_order else threaded
+        where = mm(float(place[0]), float(place[1]), self.per)
+        back = f"does not return to the thread point {where} mm of cut {a.cut + 1}"
+        if cut.path.closed:
+            there = off(*cut.thread) <= limit
+            if not self.strict_order:
+                there = off(*threaded) <= limit or (there and not self.fitted)
+            return "" if there else back
+        v = cut.path.vertices[[-1]] if self.strict_order else cut.path.vertices[[0, -1]]
+        apart = min(off(x, y) for x, y in zip(v["x"].tolist(), v["y"].tolist(), strict=True))
+        if apart <= OPEN_END or (not self.strict_order and off(*threaded) <= limit):
+            return ""
+        return f"ends {apart / self.per:.3f} mm from the end of the path of cut {a.cut + 1}"
+
+    def _loose_start(self, way: Walk, a: Assigned, cut: Cut) -> list[Diagnostic]:
+        """Report an open cut that is threaded elsewhere, where nothing else ties its start."""
+        (x, y), (tx, ty) = way.start[int(a.index[0])].tolist(), cut.thread
+        if (x, y) == (tx, ty):
+            return []
+        return [
+            error(
+                "thread-point",
+                f"cut {a.cut + 1} is open and threaded at {mm(x, y, self.per)} mm, not at "
+                f"{mm(tx, ty, self.per)} mm, and it is not known where the program starts",
+                span_of(self.program, int(a.index[0])),
+                hint="state --origin",
+                points_mm=((x / self.per, y / self.per),),
+            )
+        ]
 
     def _leads(self, route: Route, numbers: Sequence[int]) -> list[Diagnostic]:
         """Report the first place at which leads of a cut meet another cut."""
@@ -652,16 +674,6 @@ def _slip(route: Route, t: Track, low: int, high: int, index: Ints, per: float) 
     how = "past" if missed[slips[0]] > 0 else "short of"
     far = abs(float(missed[slips[0]])) / per
     return f"; block {int(index[low + slips[0]]) + 1} already ends {far:.3f} mm {how} its vertex"
-
-
-def _retraces(way: Walk, a: Assigned, cut: Cut) -> bool:
-    """Return whether the last block leaves from the start of the path, not from the overcut."""
-    if cut.overcut_um <= 0 or not cut.path.closed:
-        return False
-    start = way.start[int(a.index[-1])]
-    v = cut.path.vertices[0]
-    on_thread = np.hypot(cut.thread[0] - v["x"], cut.thread[1] - v["y"]) <= 1.0  # no lead at all
-    return bool(on_thread or np.hypot(start[0] - v["x"], start[1] - v["y"]) <= LOST)
 
 
 def _follow(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:

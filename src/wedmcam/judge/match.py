@@ -9,8 +9,9 @@ pass: it has to follow the planned path like the first.
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,9 @@ from wedmcam.judge.walk import Walk
 
 #: A loop of the program and a planned path whose boxes differ by more are not the same, um.
 SAME_BOX = LOST
+
+#: A contour begins within so many blocks of a piece, and ends at one of so many returns.
+EARLY = 6
 
 #: Ends on a machine that recomputes them miss each other by up to this, um.
 RECOMPUTED = 2.0
@@ -123,12 +127,23 @@ def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
     else:
         # No way back to the thread point: the longest closed stretch that begins early.
         best = (0, 0, len(index))
-        for a in range(min(6, len(index))):
+        for a in range(min(EARLY, len(index))):
             off = np.hypot(*(ends[a + 1 :] - ends[a]).T)
             near = np.flatnonzero(off <= LOST)
             if len(near) and int(near[-1]) + 1 > best[0]:
                 best = (int(near[-1]) + 1, a, a + 1 + int(near[-1]))
         first, last = best[1], best[2]
+    return _cut_out(way, index, pauses, first, last)
+
+
+def _cut_out(way: Walk, index: Ints, pauses: tuple[int, ...], first: int, last: int) -> Piece:
+    """Return blocks of which ``first`` to ``last`` are the contour."""
+    ends = np.concatenate([way.start[index[:1]], way.end[index]])
+    room = RECOMPUTED if way.textbook else 0.0
+
+    def meet(i: int, j: int) -> bool:
+        return float(np.hypot(*(ends[i] - ends[j]).astype(float))) <= room
+
     closed = bool(np.hypot(*(ends[last] - ends[first]).astype(float)) <= LOST)
     box, area = _measured(way, index[first:last])
     turns: list[int] = []
@@ -142,6 +157,18 @@ def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
                 turns.append(p)
         here = p
     return Piece(index, pauses, first, last, tuple(turns), again, closed, box, area)
+
+
+def _others(way: Walk, piece: Piece) -> Iterator[Piece]:
+    """Yield other closed stretches of a piece that begin early: ways in and out may differ."""
+    index = piece.index
+    ends = np.concatenate([way.start[index[:1]], way.end[index]]).astype(float)
+    room = RECOMPUTED if way.textbook else 0.0
+    for first in range(min(EARLY, len(index))):
+        off = np.hypot(*(ends[first + 1 :] - ends[first]).T)
+        for back in np.flatnonzero(off <= room)[:EARLY].tolist():
+            if (first, first + 1 + back) != (piece.first, piece.last):
+                yield _cut_out(way, index, piece.pauses, first, first + 1 + back)
 
 
 def _measured(way: Walk, index: Ints) -> tuple[Floats, float]:
@@ -303,8 +330,13 @@ def _lies_on(
         held = _along(way, piece, cuts[k])
         if held is not None and np.abs(wanted[k] - held.box).max() <= SAME_BOX:
             return held, k
-    off = np.abs(wanted[numbers] - piece.box).max(axis=1)
-    return piece, int(numbers[int(off.argmin())]) if len(off) and off.min() <= SAME_BOX else -1
+    if not len(numbers):
+        return piece, -1
+    for held in itertools.chain((piece,), _others(way, piece)):
+        off = np.abs(wanted[numbers] - held.box).max(axis=1)
+        if off.min() <= SAME_BOX:
+            return held, int(numbers[int(off.argmin())])
+    return piece, -1
 
 
 def repeated(way: Walk, program: Program, plan: Plan) -> list[Diagnostic]:

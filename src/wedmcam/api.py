@@ -592,7 +592,9 @@ def _judged(
                 unfit = notes
             else:
                 better, more = at(fitted, fitted=fitted.origin != placed.origin)
-                if better.ok or better.max_deviation_um < verdict.max_deviation_um:
+                more_cuts = len(better.cuts) > len(verdict.cuts)
+                nearer = better.max_deviation_um < verdict.max_deviation_um
+                if better.ok or more_cuts or nearer:
                     placed, verdict, found = fitted, better, [*notes, *more]
     if not ours and not verdict.ok and len(verdict.cuts) < len(plan.cuts):
         # A contour that lies nowhere says little. Followed in the plan's order, the first block

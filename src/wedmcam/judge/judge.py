@@ -412,8 +412,9 @@ class _Case(NamedTuple):
                 )
             )
         elif wrong := self._wrong_end(way, a, cut, end, limit):
-            text = f"{wrong}{_nowhere(way, last)}"
-            findings.append(self._block_error("thread-point", way, last, text))
+            if tuple(end.tolist()) != cut.thread:
+                wrong += _nowhere(way, last)
+            findings.append(self._block_error("thread-point", way, last, wrong))
         if self.fitted and not cut.path.closed:
             findings.extend(self._loose_start(way, a, cut))
         if self.strict_order:

@@ -111,6 +111,8 @@ def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
     def meet(i: int, j: int) -> bool:
         return float(np.hypot(*(ends[i] - ends[j]).astype(float))) <= room
 
+    if not meet(first, last) and np.hypot(*(ends[0] - ends[-1]).astype(float)) <= LOST:
+        room = LOST  # it was to return; that it does not is found later
     if meet(first, last):
         while (
             last - first > 2
@@ -314,7 +316,7 @@ def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
     out = []
     for piece in pieces(way):
         for left in (free, ~free):
-            held, k = _lies_on(way, piece, plan.cuts, wanted, np.flatnonzero(left))
+            held, k = lies_on(way, piece, plan.cuts, wanted, np.flatnonzero(left))
             if k >= 0:
                 free[k] = False
                 break
@@ -322,7 +324,7 @@ def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
     return out
 
 
-def _lies_on(
+def lies_on(
     way: Walk, piece: Piece, cuts: Sequence[Cut], wanted: Floats, numbers: Ints
 ) -> tuple[Piece, int]:
     """Return a piece as a run of one of the cuts ``numbers``, and which; -1 for none of them."""
@@ -330,13 +332,20 @@ def _lies_on(
         held = _along(way, piece, cuts[k])
         if held is not None and np.abs(wanted[k] - held.box).max() <= SAME_BOX:
             return held, k
-    if not len(numbers):
-        return piece, -1
-    for held in itertools.chain((piece,), _others(way, piece)):
+    best, least = (piece, -1), np.inf
+    for held in itertools.chain((piece,), _others(way, piece)) if len(numbers) else ():
         off = np.abs(wanted[numbers] - held.box).max(axis=1)
-        if off.min() <= SAME_BOX:
-            return held, int(numbers[int(off.argmin())])
-    return piece, -1
+        k = int(numbers[int(off.argmin())])
+        if off.min() > SAME_BOX:
+            continue
+        # Leads within the box of a contour are told from it by what it goes round.
+        path = of_contour(cuts[k].path)
+        apart = abs(abs(held.area) - abs(path_area(path)))
+        if apart < least:
+            best, least = (held, k), apart
+        if apart <= RECOMPUTED * float(path.length.sum()) or not held.closed:
+            break
+    return best
 
 
 def repeated(way: Walk, program: Program, plan: Plan) -> list[Diagnostic]:

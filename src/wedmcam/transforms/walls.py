@@ -15,7 +15,7 @@ import numpy as np
 from wedmcam.diag import Diagnostic, Severity, error, warning
 from wedmcam.geom import measure, pairs
 from wedmcam.geom.gaps import beside, gaps
-from wedmcam.geom.segments import Floats, Ints, boxes
+from wedmcam.geom.segments import Floats, Ints, Segments, boxes
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.transforms.doubles import mm, place, steady
@@ -65,9 +65,8 @@ def thin(
         return []
     s, first = measure.segments_of_all([(c.vertices, c.closed) for c in contours])
     owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
-    around = boxes(s)
     found = []
-    for (a, b), i, j in _pairs(around, owner, first):
+    for (a, b), i, j in _pairs(s, owner, first):
         g = gaps(s.take(i), s.take(j))
         near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
         if not len(near):
@@ -90,21 +89,19 @@ def thin(
     return listed
 
 
-def _pairs(
-    around: pairs.Boxes, owner: Ints, first: Ints
-) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:
+def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:
     """Yield pairs of contours that may be drawn twice or have a thin wall, and their segments.
 
     A thin wall may be anywhere: all segments are asked. What is drawn twice has one box.
     """
+    around = boxes(s)
     extents = [np.minimum.reduceat(v, first) for v in around[:2]]
     extents += [np.maximum.reduceat(v, first) for v in around[2:]]
     last = np.append(first[1:], len(owner))
     done = set()
     for a, b in _alike(extents):
         one, two = np.arange(first[a], last[a]), np.arange(first[b], last[b])
-        of_one, of_two = (tuple(v[k] for v in around) for k in (one, two))
-        i, j = pairs.overlapping(pairs.grown(of_one, TWICE_UM), of_two)
+        i, j = pairs.overlapping(pairs.grown(boxes(s.take(one)), TWICE_UM), boxes(s.take(two)))
         done.add((a, b))
         yield (a, b), one[i], two[j]
     i, j = pairs.self_overlapping(pairs.grown(around, 0.5 * WALL_UM))

@@ -155,11 +155,11 @@ def plan_of(data: bytes, name: str, options: Any) -> str:
     """Return the fingerprint of a plan, or the codes that refuse it."""
     try:  # where the stages are, in this revision or an older one
         from wedmcam.compiler import pipeline
-
-        from wedmcam.diag import Refused, Run
+        from wedmcam.diag.run import Refused, Run
     except ImportError:
-        from wedmcam import pipeline
         from wedmcam.pipeline import Refused, Run
+
+        from wedmcam import pipeline
 
     run = Run()
     try:

@@ -6,24 +6,22 @@ from pathlib import Path
 
 import pytest
 
+from wedmcam.machines import Machine
+
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "wedmcam"
 SHELL = {
     "__init__",
     "__main__",
     "setup_sheet",
-    "sides",
     "source_map",
     "cli",
     "api",
-    "pipeline",
     "inspection",
     "metamorphic",
     "comparison",
     "conversion",
-    "entered",
     "loads",
-    "offsets",
     "probe",
     "several",
 }
@@ -101,3 +99,36 @@ def test_the_core_is_pure():
                 assert node.func.id not in {"open", "print", "input", "exit"}, path
             if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
                 assert (node.value.id, node.attr) not in {("os", "environ"), ("sys", "exit")}, path
+
+
+#: Rooms that may ask of which kind a machine is.
+KINDS_ROOMS = {"machines", "targets", "formats"}
+
+
+def _trees():
+    for path in sorted(PACKAGE.rglob("*.py")):
+        yield path.relative_to(PACKAGE), ast.walk(ast.parse(path.read_text("utf-8")))
+
+
+def test_only_targets_ask_what_kind_a_machine_is():
+    """`identify` may compare the format that it found; others take a target and ask it."""
+    assert not {"gapped", "offsets", "binary"} & set(dir(Machine))
+    for path, nodes in _trees():
+        if path.parts[0] in KINDS_ROOMS:
+            continue
+        for node in nodes:
+            if isinstance(node, ast.Compare):
+                for side in (node.left, *node.comparators):
+                    if isinstance(side, ast.Attribute) and side.attr == "format":
+                        found = isinstance(side.value, ast.Name) and side.value.id == "seen"
+                        assert found or path.name == "identify.py", f"{path}:{node.lineno}"
+
+
+def test_line_tables_are_made_where_controllers_are():
+    for path, nodes in _trees():
+        if path.parts[0] in {"controllers", "machines"}:
+            continue
+        for node in nodes:
+            if isinstance(node, ast.Call):
+                name = node.func.id if isinstance(node.func, ast.Name) else ""
+                assert name != "LineTable", f"{path}:{node.lineno}"

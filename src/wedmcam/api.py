@@ -6,21 +6,24 @@ path is read here and nowhere deeper.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wedmcam import __version__, machines, offsets, pipeline
+from wedmcam import __version__, machines
+from wedmcam.compiler import pipeline, sources
+from wedmcam.compiler.portion import portion
+from wedmcam.compiler.sources import Drawn
 from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
 from wedmcam.options import READING, Options, WrongUse, check_reading, nm_of
-from wedmcam.pipeline import Drawn, Refused, Run
+from wedmcam.targets import Entries, Target, target_of
 
 if TYPE_CHECKING:
-    from wedmcam.entered import Entered
     from wedmcam.frontends.dialect import Dialect
     from wedmcam.judge.difference import Difference
     from wedmcam.judge.verdict import Verdict
@@ -45,6 +48,7 @@ class Compilation:
         findings: everything that was found, in order.
         stage: where it stopped; empty when ``ok``.
         lowered: the program as it was encoded: with roles and with what each block was drawn by.
+        entries: what the operator enters beside the program.
     """
 
     ok: bool
@@ -59,6 +63,7 @@ class Compilation:
     findings: tuple[Diagnostic, ...]
     stage: str = ""
     lowered: Program | None = None
+    entries: Entries | None = None
 
     @property
     def status(self) -> int:
@@ -76,7 +81,6 @@ def compile(
     name: str | None = None,
     output_name: str = "",
     options: Options | None = None,
-    starts_of: Machine | None = None,
     **mm: Any,
 ) -> Compilation:
     """Compile a drawing and prove the program.
@@ -88,7 +92,6 @@ def compile(
         name: of the source in findings and certificate; the path by default.
         output_name: of the program in the certificate.
         options: everything else, in um.
-        starts_of: contours start where they do for this machine: programs of several are one path.
         **mm: instead of ``options``, its fields in mm: offset=0.1, side="die", starts=[(0, 0)].
 
     Raises:
@@ -101,7 +104,7 @@ def compile(
         if made.ok:
             Path("bracket.3b").write_bytes(made.data)
     """
-    data, name = _bytes(source, name)
+    data, name = bytes_of(source, name)
     machine = machine_for(to, profile)
     options = options if options is not None else options_in_mm(**mm)
     if options.reading:
@@ -109,40 +112,77 @@ def compile(
             f"{', '.join(options.reading)}: said of a program that is read, not compiled"
         )
     run = Run(options.strict)
-    drawn = plan = lowered = program = verdict = None
-    out: bytes | None = None
-    stage = ""
+    refused = planned_for(data, name, options, [machine], run)
+    return compile_plan(data, name, machine, options, run, output_name, refused)
+
+
+def planned_for(
+    data: bytes, name: str, options: Options, machines: Sequence[Machine], run: Run
+) -> str:
+    """Read and plan a source for machines; ``run`` keeps both. Return where it was refused, if."""
     try:
-        drawn = pipeline.read(data, name, options, run)
-        plan = pipeline.plan(drawn, options, run)
-        if starts_of is not None:
-            plan = run("leads", offsets.started(plan, starts_of))
-        plan = pipeline.part_of(plan, machine, options, run)
-        options = offsets.entered(plan, machine, options)
-        lowered = pipeline.lower(plan, machine, options, run)
-        out = pipeline.encode(lowered, machine, run, plan, options)
-        program, verdict = pipeline.prove(
-            out, output_name or "program", plan, machine, options, run, origin=lowered.origin
-        )
+        pipeline.planned(data, name, options, [target_of(m) for m in machines], run)
     except Refused as why:
-        stage = why.stage
-    ok = not stage
-    summary = _summary(
-        run.found, machine, options, name, data, output_name, out if ok else None, drawn, verdict
-    )
+        return why.stage
+    return ""
+
+
+def compile_plan(
+    data: bytes,
+    name: str,
+    machine: Machine,
+    options: Options,
+    run: Run,
+    output_name: str = "",
+    refused: str = "",
+) -> Compilation:
+    """Compile what is asked for of a plan for one machine, and prove the program.
+
+    Args:
+        data: the source, for its fingerprint.
+        name: of the source.
+        machine: one of those that the plan was made for.
+        options: as it was planned with; ``cuts`` and ``from_block`` may be others.
+        run: in which `planned_for` left what was drawn and the plan.
+        output_name: of the program.
+        refused: where planning stopped; then nothing is compiled.
+    """
+    target, stage, made = target_of(machine), refused, run.values
+    if not stage:
+        try:
+            part = run("plan", (portion(made["plan"], target, options, run), ()))
+            pipeline.compiled(part, target, options, run, output_name)
+        except Refused as why:
+            stage = why.stage
+    entries, verdict = made.get("enter"), made.get("verify")
+    if entries is not None and entries.d:  # belongs to the program
+        options = replace(options, d=entries.d)
+    ok, drawn = not stage, made.get("drawn")
+    out = made["encode"] if ok else None
     return Compilation(
         ok,
-        out if ok else None,
-        program,
-        plan,
+        out,
+        made.get("decode") if ok else None,
+        made.get("plan"),
         drawn,
         machine,
-        verdict,
-        summary,
+        verdict if ok else None,
+        _summary(
+            run.found,
+            machine,
+            options,
+            name,
+            data,
+            output_name,
+            out,
+            drawn,
+            verdict if ok else None,
+        ),
         options,
         tuple(run.found),
         stage,
-        lowered,
+        made.get("lower"),
+        entries,
     )
 
 
@@ -173,7 +213,7 @@ def arithmetic_difference(made: Compilation, source: Source) -> float | None:
 
     if made.drawn is None or made.plan is None:
         return None
-    data, name = _bytes(source, made.summary["input"])
+    data, name = bytes_of(source, made.summary["input"])
     apart = difference_um(data, name, made.drawn, made.plan, made.options)
     return None if apart is None else round(apart, 4)
 
@@ -218,7 +258,7 @@ def machine_for(to: str | None, profile: Machine | str | None) -> Machine:
             return machines.default(to or "3b")
         except KeyError:
             raise WrongUse(f"no program format is called '{to}'") from None
-    if to is not None and profile.format != to:
+    if to is not None and not profile.is_of(to):
         raise WrongUse(f"the profile '{profile.name}' is for {profile.format}, not for {to}")
     return profile
 
@@ -267,7 +307,8 @@ def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -
     )
 
 
-def _bytes(source: Source, name: str | None) -> tuple[bytes, str]:
+def bytes_of(source: Source, name: str | None) -> tuple[bytes, str]:
+    """Return a source and its name: the path by default."""
     if isinstance(source, bytes):
         return source, name or "input"
     return Path(source).read_bytes(), name or str(source)
@@ -405,7 +446,7 @@ def verify(
 
     What is proven is the part: another order, other leads, are notes.
     """
-    data, name = _bytes(program, name)
+    data, name = bytes_of(program, name)
     if profile is None and certificate is not None and certificate.get("profile"):
         profile = machine_issued(certificate)
     machine = _reader_machine(data, name, format, profile)
@@ -413,21 +454,22 @@ def verify(
         options = options_in_mm(**mm)
     dialect = _dialect(options.reading, profile is not None, shown)
     run = Run(options.strict)
+    target = target_of(machine)
     decoded: Program | None = None
     plan: Plan | None = None
     verdict: Verdict | None = None
     drawn: Drawn | None = None
     told: dict[str, Any] = {}
-    drawing, drawing_name = (b"", "") if against is None else _bytes(against, against_name)
+    drawing, drawing_name = (b"", "") if against is None else bytes_of(against, against_name)
     stage = ""
     try:
-        if against is not None and machine.gapped:  # the plan says by how much
-            drawn = pipeline.read(drawing, drawing_name, options, run)
-            plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
-        decoded = _decode(data, name, machine, run, options, plan, dialect)
-        kind = pipeline.source_format(drawing, drawing_name, options) if drawn else None
-        run.add("decode", _no_gap(decoded, machine, options, kind))
-        run.add("decode", _unended(decoded, machine))
+        if against is not None and target.takes_gap:  # the plan says by how much
+            drawn, plan = _asked_plan(drawing, drawing_name, options, target, run)
+        entries = replace(target.entered(options, plan), dialect=dialect)
+        decoded = run("decode", target.read(data, name, entries))
+        kind = sources.source_format(drawing, drawing_name, options) if drawn else None
+        run.add("decode", _no_gap(decoded, target, options, kind))
+        run.add("decode", _unended(decoded, target))
         if certificate is not None:
             run.add("certificate", _check_certificate(certificate, data, drawing, machine))
             if origin_mm is None and _same(certificate, "output", data):
@@ -435,9 +477,8 @@ def verify(
                 origin_mm = (x / 1000, y / 1000)
         if against is not None:
             if drawn is None or plan is None:
-                drawn = pipeline.read(drawing, drawing_name, options, run)
-                plan = pipeline.part_of(pipeline.plan(drawn, options, run), machine, options, run)
-            decoded, verdict = _judged(decoded, plan, machine, options, run, origin_mm)
+                drawn, plan = _asked_plan(drawing, drawing_name, options, target, run)
+            decoded, verdict = _judged(decoded, plan, target, options, run, origin_mm)
             if certificate is not None and _same(certificate, "output", data):
                 run.add("certificate", _check_figures(certificate, verdict, drawing))
         else:
@@ -461,7 +502,7 @@ def read_program(
     profile: Machine | str | None = None,
     format: str | None = None,
     name: str | None = None,
-    entered: Entered | None = None,
+    entered: Entries | None = None,
     shown: bool = False,
     **said: str | None,
 ) -> tuple[Program | None, Machine, tuple[Diagnostic, ...]]:
@@ -482,49 +523,40 @@ def read_program(
     Raises:
         WrongUse: an unknown format or profile, or something else said.
     """
-    from wedmcam.entered import unstated
-
-    data, name = _bytes(source, name)
+    data, name = bytes_of(source, name)
     machine = _reader_machine(data, name, format, profile)
-    dialect = _dialect(said, profile is not None, shown)
+    target, dialect = target_of(machine), _dialect(said, profile is not None, shown)
     run = Run()
     try:
-        if entered is None:
-            decoded = _decode(data, name, machine, run, Options(), None, dialect)
-        else:
-            decoded = run("decode", entered.decode(data, machine, name, dialect))
+        entries = replace(entered or Entries(), dialect=dialect)
+        decoded = run("decode", target.read(data, name, entries))
     except Refused:
         return None, machine, tuple(run.found)
     if entered is None or entered.gap_um is None:
-        run.add("decode", unstated(decoded, machine))
+        run.add("decode", target.unstated(decoded))
     return decoded, machine, tuple(run.found)
 
 
-def _decode(
-    data: bytes,
-    name: str,
-    machine: Machine,
-    run: Run,
-    options: Options,
-    plan: Plan | None,
-    dialect: Dialect,
-) -> Program:
-    return run("decode", pipeline.decode(data, machine, name, options, plan, dialect))
+def _asked_plan(
+    drawing: bytes, name: str, options: Options, target: Target, run: Run
+) -> tuple[Drawn, Plan]:
+    """Return what was drawn, and the part of its plan that is asked for."""
+    drawn, plan = pipeline.planned(drawing, name, options, [target], run)
+    return drawn, portion(plan, target, options, run)
 
 
 def _no_gap(
-    decoded: Program, machine: Machine, options: Options, against: str | None
+    decoded: Program, target: Target, options: Options, against: str | None
 ) -> list[Diagnostic]:
-    """Return what is to be said of a program whose gap nobody stated.
+    """Return the findings for a program that was read without its gap.
 
     ``against``: format of the source that it is compared with, if any: a part program says its
     offsets itself.
     """
     from wedmcam.diag import error
-    from wedmcam.entered import unstated
 
     stated = options.offset_um is not None or options.side is not None or against == "wed"
-    found = [] if stated else unstated(decoded, machine)
+    found = [] if stated else target.unstated(decoded)
     if against is None or not found:
         return found
     what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
@@ -574,15 +606,15 @@ def _check_certificate(
     return found
 
 
-def _unended(program: Program, machine: Machine) -> list[Diagnostic]:
+def _unended(program: Program, target: Target) -> list[Diagnostic]:
     """Return a warning when a text program does not say where it ends."""
     from wedmcam.diag import warning
     from wedmcam.ir.program import Kind
 
     kinds = program.blocks["kind"]
-    if machine.binary or ((kinds == Kind.STOP) | (kinds == Kind.END)).any():
+    stop = target.stop_word
+    if not stop or ((kinds == Kind.STOP) | (kinds == Kind.END)).any():
         return []
-    stop = "M02" if machine.format == "iso" else machine.words.stop
     return [
         warning(
             "no-end",
@@ -622,31 +654,17 @@ def _check_figures(
 def _judged(
     decoded: Program,
     plan: Plan,
-    machine: Machine,
+    target: Target,
     options: Options,
     run: Run,
     origin_mm: tuple[float, float] | None,
 ) -> tuple[Program, Verdict]:
     """Judge at the stated origin; else at the plan's; else where the program fits best."""
-    from dataclasses import replace
-
     from wedmcam.judge.fit import fit
-    from wedmcam.judge.judge import judge
     from wedmcam.judge.unit import in_steps
 
-    stepping = machine.stepping
-    textbook = pipeline.count_of(machine, options) == "textbook"
-
     def at(program: Program, strict: bool = False) -> tuple[Verdict, list[Diagnostic]]:
-        return judge(
-            program,
-            plan,
-            stepping=stepping,
-            limits=machine.limits,
-            count="textbook" if textbook else "exact",
-            strict_order=strict,
-            trimmed=options.trim,
-        )
+        return pipeline.judged(program, plan, target, options, strict_order=strict)
 
     unfit: list[Diagnostic] = []
     if origin_mm is not None:
@@ -658,7 +676,7 @@ def _judged(
         placed = replace(decoded, origin=in_steps(plan, decoded.step_um).cuts[0].thread)
         verdict, found = at(placed)
         if not verdict.ok:
-            fitted, notes = fit(decoded, plan, stepping=stepping)
+            fitted, notes = fit(decoded, plan, stepping=target.machine.stepping)
             if fitted is None:
                 unfit = notes
             else:
@@ -743,14 +761,13 @@ def diff(
     Returns:
         The difference; None where one cannot be read. And the findings of both readers.
     """
-    from wedmcam.entered import Entered
     from wedmcam.judge.difference import difference
 
     first: dict[str, Any] = {name: v for name, v in said.items() if not name.endswith("_b")}
     other = {n: v for n in READING if (v := said.get(f"{n}_b")) is not None}
     check_reading({name.removesuffix("_b"): v for name, v in said.items()})
     read = [
-        read_program(source, profile=profile, name=name, entered=Entered(d=d), **of)
+        read_program(source, profile=profile, name=name, entered=Entries(d=d), **of)
         for source, name, profile, of in zip(
             (a, b), names, profiles, (first, {**first, **other}), strict=True
         )
@@ -781,12 +798,10 @@ def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]
 
 def with_images(proof: Proof, drawing: bytes, name: str, options: Options) -> Proof:
     """Return a proof with that of the images of the drawing; see ``wedmcam.metamorphic``."""
-    from dataclasses import replace
-
     from wedmcam.judge.certificate import finding_data
     from wedmcam.metamorphic import metamorphic
 
-    if pipeline.source_format(drawing, name, options) == "wed":
+    if sources.source_format(drawing, name, options) == "wed":
         raise WrongUse("--metamorphic compiles images of drawings; a .wed says sides by name")
 
     images, found = metamorphic(drawing, name, proof.machine, options)
@@ -837,12 +852,12 @@ def inspect(
     """Return what the reader sees in a drawing, and the largest offset that fits it."""
     from wedmcam.inspection import facts_of
 
-    data, name = _bytes(source, name)
+    data, name = bytes_of(source, name)
     options = options if options is not None else options_in_mm(**mm)
     run = Run(options.strict)
     drawn = None
     try:
-        drawn = pipeline.read(data, name, options, run)
+        drawn = sources.read(data, name, options, run)
     except Refused:
         return Inspection(None, {"input": name}, tuple(run.found))
     facts, more = facts_of(name, drawn, options)
@@ -888,8 +903,6 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
 
 def _with_cuts(program: Program, verdict: Verdict | None) -> Program:
     """Return a program whose blocks have the numbers of the cuts that the verdict tells."""
-    from dataclasses import replace
-
     from wedmcam.ir.program import Kind
 
     blocks = program.blocks.copy()
@@ -935,7 +948,7 @@ def path_drawing(program: Program, machine: Machine) -> bytes:
 
 def positions(program: Program, machine: Machine) -> tuple[Any, Any]:
     """Return where each block starts and ends, shape (blocks, 2), um, drawing coordinates."""
-    from wedmcam.source_map import block_ends
+    from wedmcam.programs.places import block_ends
 
     return block_ends(program, machine)
 

@@ -12,12 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from wedmcam import pipeline
+from wedmcam.compiler import sources
+from wedmcam.compiler.sources import Drawn
+from wedmcam.diag.run import Refused, Run
 from wedmcam.geom import segments as seg
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan
 from wedmcam.options import ARITHMETICS, Options
-from wedmcam.pipeline import Drawn, Refused, Run
 
 #: Pairs of a vertex and a segment that are looked at at once: some 30 MB.
 PAIRS = 500_000
@@ -45,8 +46,8 @@ def difference_um(
     run = Run()
     try:
         if drawn.computed:
-            drawn = pipeline.read(data, name, options, run)
-        there = pipeline.plan(drawn, options, run)
+            drawn = sources.read(data, name, options, run)
+        there = sources.where_the_wire_goes(drawn, options, run)
     except Refused:
         return None
     return _apart([c.path for c in plan.cuts], [c.path for c in there.cuts])

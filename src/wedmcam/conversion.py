@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
-from wedmcam.entered import GAPPED, Entered
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
+from wedmcam.targets import Entries, target_of
 
 if TYPE_CHECKING:
     from wedmcam.judge.difference import Difference
@@ -85,10 +85,10 @@ class Conversion:
         return 3 if differs or any(d.code == "conversion-differs" for d in self.findings) else 1
 
 
-def target_of(name: str) -> str | None:
+def output_of(name: str) -> str | None:
     """Return the target that the ending of a name tells; None for program formats.
 
-    >>> target_of("a.SVG"), target_of("a.3b")
+    >>> output_of("a.SVG"), output_of("a.3b")
     ('svg', None)
     """
     return SUFFIXES.get(Path(name).suffix.lower())
@@ -103,7 +103,7 @@ def convert(
     name: str | None = None,
     format: str | None = None,
     strict: bool = False,
-    entered: Entered | None = None,
+    entered: Entries | None = None,
     **said: Any,
 ) -> Conversion:
     """Return a program of one format as one of another, proven to step the same path.
@@ -131,13 +131,14 @@ def convert(
     """
     from wedmcam import api
 
-    entered = entered or Entered()
+    entered = entered or Entries()
     read, machine_in, found_in = api.read_program(
         source, profile=profile_in, format=format, name=name, entered=entered, **said
     )
     written = to if to in TARGETS else api.machine_for(to, profile).format
     entered.check(machine_in.format, written or "")
-    found = [d for d in (_gap_asked(d, written or "") for d in found_in) if d is not None]
+    stays = to not in TARGETS and target_of(api.machine_for(to, profile)).takes_gap
+    found = [d for d in (_gap_asked(d, to == "svg", stays) for d in found_in) if d is not None]
 
     def ended(data: bytes | None = None, **more: Any) -> Conversion:
         values = {"made": None, "machine": None, "difference": None} | more
@@ -155,22 +156,25 @@ def convert(
     if read is None or has_errors(found):
         return ended(machine=machine)
     senses = None
-    if machine.gapped and machine_in.gapped and not entered.gap_um:
-        from wedmcam.frontends import senses as senses_of
-
-        content = source if isinstance(source, bytes) else Path(source).read_bytes()
-        senses = senses_of(content, machine_in)
+    if stays and not entered.gap_um:
+        senses = target_of(machine_in).senses(api.bytes_of(source, name)[0])
     data, made, apart, more = between(read, machine_in, machine, entered, senses)
     found += more
     return ended(data, machine=machine, made=made, difference=apart)
 
 
-def _gap_asked(d: Diagnostic, written: str) -> Diagnostic | None:
-    """Return a finding of the reader as it is for a conversion: a path needs its gap."""
-    if d.code != "no-gap" or written == "svg":
+def _gap_asked(d: Diagnostic, shown: bool, stays: bool) -> Diagnostic | None:
+    """Return a finding of the reader as it is for a conversion: a path needs its gap.
+
+    Args:
+        d: the finding.
+        shown: what is made is a picture.
+        stays: the outline stays one.
+    """
+    if d.code != "no-gap" or shown:
         return d
-    if written in GAPPED:
-        return None  # the outline stays one
+    if stays:
+        return None
     what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
     hint = "--gap 0.1mm --side part, as entered at the controller; --gap 0 for the outline itself"
     return error("no-gap", what, d.span, hint=hint)
@@ -190,7 +194,7 @@ def between(
     program: Program,
     machine_in: Machine,
     machine: Machine,
-    entered: Entered | None = None,
+    entered: Entries | None = None,
     senses: NDArray[np.int64] | None = None,
 ) -> tuple[bytes | None, Program | None, Difference | None, list[Diagnostic]]:
     """Return a decoded program as bytes for another machine, proven equal as a step path.
@@ -207,33 +211,24 @@ def between(
         The bytes (None where it failed), the program decoded from them, the difference, and what
         was found on the way.
     """
-    from wedmcam.backends import encoder
     from wedmcam.judge.difference import difference
     from wedmcam.transforms.carry import carry
 
-    if machine.offsets:
-        return None, None, None, [_no_outline(machine)]
+    target, entries = target_of(machine), entered or Entries()
+    if target.refuses_carried is not None:
+        return None, None, None, [target.refuses_carried]
     stepping = machine_in.stepping
-    carried, found = carry(program, stepping, rules_of(machine))
+    carried, found = carry(program, stepping, target.carry_rules())
     if carried is None:
         return None, None, None, found
-    beside = entered or Entered()
     arcs = program.blocks["kind"] == Kind.ARC
-    stated: dict[str, Any] | None
-    if senses is not None and senses[arcs].all():
-        of = senses[carried.blocks["source"]]
-        stated = {"gap_um": 0, "outwards": True, "grown": np.where(of == 0, 1, of)}
-    else:
-        stated, more = beside.write(carried, machine)
-        found += more
-    if stated is None:
-        return None, None, None, found
-    data, more = encoder(machine.format)(carried, machine, **stated)
+    known = senses is not None and bool(senses[arcs].all())
+    data, more = target.write_carried(carried, entries, senses if known else None)
     found += more
-    if has_errors(more):
+    if data is None or has_errors(more):
         return None, None, None, found
-    made, more = beside.decode(data, machine, f"the {machine.format} program")
-    found += [d for d in more if d.severity is Severity.ERROR]
+    made, problems = target.read(data, f"the {machine.format} program", entries)
+    found += [d for d in problems if d.severity is Severity.ERROR]
     if has_errors(found):
         return None, made, None, found
     within = WITHIN_UM * max(1.0, program.step_um)
@@ -254,41 +249,12 @@ def _differs(what: str, program: Program, apart: Difference) -> Diagnostic:
     )
 
 
-def _no_outline(machine: Machine) -> Diagnostic:
-    return error(
-        "not-in-format",
-        f"the profile '{machine.name}' wants outlines that the controller offsets, and a program "
-        "has only the path of the wire",
-        hint="compile the drawing with this profile, or convert with a profile that takes the path "
-        "(iso-um, iso-mm)",
-    )
-
-
 def _span_of(program: Program, block: int) -> Any:
     return program.spans[block - 1] if 0 < block <= len(program.spans) else None
 
 
 def _no_words(what: str, span: Any) -> Diagnostic:
     return error("not-in-format", what, span, hint="convert to .dxf, which takes any path")
-
-
-def rules_of(machine: Machine) -> Any:
-    """Return what a machine's format asks of the blocks of a program."""
-    from wedmcam import pipeline
-    from wedmcam.transforms.carry import Rules
-
-    text = machine.format in ("3b", "iso", "4b")
-    return Rules(
-        square=not text,
-        square_axis=pipeline.square_axis(machine),
-        stepping=machine.stepping,
-        count_um=machine.limits.count_um,
-        line_um=machine.limits.line_um,
-        words=(r"M\d{1,4}" if machine.format == "iso" else ".*") if text else "",
-        pairs=text,
-        end=machine.format in ("3b", "4b"),
-        turns=machine.format != "iso",
-    )
 
 
 def as_svg(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
@@ -314,13 +280,12 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     from wedmcam.backends.wed import hindrance, source, trimmed
     from wedmcam.judge.difference import difference
 
-    own = machine
-    if machine.format in ("rotation", "compensation"):
-        own = api.machine_for("compact", None)
+    own = target_of(machine).own_path
     steppings = machine.stepping, own.stepping
     program, left_out = trimmed(program)
     pieces = np.ones(len(program.blocks), np.int64)
-    for last in (False,) * TRIES + (True,):
+    for attempt in range(TRIES + 1):
+        last = attempt == TRIES
         data, found = source(program, machine, name, pieces)
         found = [*left_out, *found]
         if has_errors(found):

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from wedmcam.compiler.sources import Drawn
 from wedmcam.diag import Diagnostic
 from wedmcam.geom import measure
 from wedmcam.geom import segments as seg
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.options import Options
-from wedmcam.pipeline import Drawn
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.compensate import largest_offset
 

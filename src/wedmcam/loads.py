@@ -15,17 +15,11 @@ import numpy as np
 
 from wedmcam import api
 from wedmcam.api import Compilation, Source
-from wedmcam.formats import compact, gap, rotation
+from wedmcam.diag.run import Run
 from wedmcam.ir.program import Kind
 from wedmcam.machines import Machine
 from wedmcam.options import Options
-
-#: Bytes of a line and of an arc.
-SIZES = {
-    "compact": (compact.LINE_BYTES, compact.ARC_BYTES),
-    "rotation": (rotation.LINE_BYTES, rotation.ARC_BYTES),
-    "compensation": (compact.LINE_BYTES, gap.ARC_BYTES),
-}
+from wedmcam.targets import target_of
 
 
 def compile_loads(
@@ -49,9 +43,14 @@ def compile_loads(
         The loads in their order; the whole program where it fits, or where it failed. A contour
         that does not fit alone is a load with the warning ``over-memory``.
     """
-    whole = api.compile(
-        source, profile=profile, name=name, output_name=output_name, options=options
-    )
+    data, name = api.bytes_of(source, name)
+    run = Run(options.strict)
+    refused = api.planned_for(data, name, options, [profile], run)
+
+    def load_of(asked: Options, output: str) -> Compilation:
+        return api.compile_plan(data, name, profile, asked, run.forked(), output, refused)
+
+    whole = load_of(options, output_name)
     if not whole.ok or not _too_large(whole) or whole.plan is None or len(whole.plan.cuts) < 2:
         return (whole,)
     first = options.cuts[0] if options.cuts else 1
@@ -60,13 +59,7 @@ def compile_loads(
     while groups:
         low, high = groups.pop(0)
         asked = replace(options, cuts=(first + low, first + high), from_block=0, backwards=False)
-        load = api.compile(
-            source,
-            profile=profile,
-            name=name,
-            output_name=numbered(output_name, len(made) + 1),
-            options=asked,
-        )
+        load = load_of(asked, numbered(output_name, len(made) + 1))
         if load.ok and _too_large(load) and high > low:
             groups[:0] = [(low, high - 1), (high, high)]  # the sizes are estimates
             continue
@@ -93,10 +86,10 @@ def _groups(whole: Compilation) -> list[tuple[int, int]]:
     """Return the cuts of each load, first and last, 0-based, by the sizes of their blocks."""
     assert whole.plan is not None
     assert whole.lowered is not None
-    limits = whole.machine.limits
     b = whole.lowered.blocks
-    line, arc = SIZES.get(whole.machine.format, (1, 1))
-    most = limits.memory_bytes if whole.machine.format in SIZES else limits.blocks
+    target = target_of(whole.machine)
+    line, arc = target.block_bytes
+    most = target.memory
     size = np.where(b["kind"] == Kind.ARC, arc, line)
     # Between two contours: a pause, the move and a pause; a pause where it stops.
     each = np.bincount(b["cut"], size, len(whole.plan.cuts) + 1)[1:] + line + 3

@@ -14,13 +14,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam import pipeline
+from wedmcam.compiler import pipeline
+from wedmcam.compiler.sources import Drawn
 from wedmcam.diag import Diagnostic, Severity, error, note
+from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.machines import Machine
 from wedmcam.options import Options
-from wedmcam.pipeline import Drawn, Refused, Run
+from wedmcam.targets import Target, target_of
 
 
 class Isometry(NamedTuple):
@@ -87,20 +89,19 @@ def metamorphic(
         What came of each image, and findings: errors for images that differ, a note for one that
         could not be tried. A drawing that is refused has its findings and no image.
     """
-    run = Run(options.strict)
+    run, target = Run(options.strict), target_of(machine)
     options = replace(options, wishes=frozenset())  # a compile says which had no effect
     try:
-        drawn = pipeline.read(data, name, options, run)
-        plan = pipeline.plan(drawn, options, run)
+        drawn, plan = pipeline.planned(data, name, options, [target], run)
     except Refused:
         return (), run.found
     images = []
     for isometry in ISOMETRIES:
         moved, asked = _moved(drawn, options, isometry)
-        images.append(_image(isometry.name, moved, asked, machine, _plan_moved(plan, isometry)))
+        images.append(_image(isometry.name, moved, asked, target, _plan_moved(plan, isometry)))
     other_way = replace(options, reverse=not options.reverse)
-    images.append(_image("run the other way round", drawn, other_way, machine, plan))
-    images.append(_elsewhere(drawn, options, machine, plan))
+    images.append(_image("run the other way round", drawn, other_way, target, plan))
+    images.append(_elsewhere(drawn, options, target, plan))
     findings = []
     for image in images:
         if not image.ok:
@@ -142,28 +143,18 @@ def _plan_moved(plan: Plan, by: Isometry) -> Plan:
     )
 
 
-def _image(name: str, drawn: Drawn, options: Options, machine: Machine, wanted: Plan) -> Image:
+def _image(name: str, drawn: Drawn, options: Options, target: Target, wanted: Plan) -> Image:
     """Compile an image, and judge its program against the plan that is wanted."""
-    from wedmcam.judge.judge import judge
-
     run = Run()
     try:
-        plan = pipeline.plan(drawn, options, run)
-        lowered = pipeline.lower(plan, machine, options, run)
-        data = pipeline.encode(lowered, machine, run, plan, options)
-        decoded, found = pipeline.decode(data, machine, name, options, plan)
+        plan = pipeline.plan_of(drawn, options, [target], run)
+        entries, lowered, data = pipeline.emitted(plan, target, options, run)
+        decoded, found = target.read(data, name, entries)
         run.add("decode", found)
     except Refused as why:
         return Image(name, False, None, 0, f"{why.stage} refuses it: {_first(run.found)}")
-    verdict, found = judge(
-        replace(decoded, origin=lowered.origin),
-        wanted,
-        stepping=machine.stepping,
-        limits=machine.limits,
-        count="textbook" if pipeline.count_of(machine, options) == "textbook" else "exact",
-        strict_order=False,
-        trimmed=options.trim,
-    )
+    program = replace(decoded, origin=lowered.origin)
+    verdict, found = pipeline.judged(program, wanted, target, options, strict_order=False)
     text = "" if verdict.ok else _first(found)
     return Image(name, verdict.ok, verdict.max_deviation_um, verdict.blocks, text)
 
@@ -172,7 +163,7 @@ def _first(found: list[Diagnostic]) -> str:
     return next((d.message for d in found if d.severity is Severity.ERROR), "")
 
 
-def _elsewhere(drawn: Drawn, options: Options, machine: Machine, plan: Plan) -> Image:
+def _elsewhere(drawn: Drawn, options: Options, target: Target, plan: Plan) -> Image:
     """Thread every closed contour elsewhere: beside the middle of another segment of its path."""
     name = "threaded elsewhere"
     moved = replace(drawn, sketch=replace(drawn.sketch, thread_points=()))
@@ -182,11 +173,11 @@ def _elsewhere(drawn: Drawn, options: Options, machine: Machine, plan: Plan) -> 
             points = tuple(_beside(c, share, away) for c in cuts)
             asked = replace(options, starts_um=points)
             try:
-                pipeline.plan(moved, asked, Run())
+                pipeline.plan_of(moved, asked, [target], Run())
             except Refused:
                 continue
             if points:
-                return _image(name, moved, asked, machine, plan)
+                return _image(name, moved, asked, target, plan)
     return Image(name, True, None, 0, "not tried: no other thread points fit")
 
 

@@ -1,7 +1,8 @@
 """One source, programs in several formats: each proven, and all of them the same path.
 
-Each format is compiled as if it were alone, but with limits that all of them share, so that arcs
-and long lines are parted at the same places. What was decoded from each is then stepped beside the
+One plan serves all, with starts where every controller can start. Each format is compiled as if it
+were alone, but with limits that all of them share, so that arcs and long lines are parted at the
+same places. What was decoded from each is then stepped beside the
 first: either all of them are good or none is.
 """
 
@@ -14,8 +15,10 @@ from typing import TYPE_CHECKING
 
 from wedmcam.conversion import WITHIN_UM
 from wedmcam.diag import Diagnostic, error
+from wedmcam.diag.run import Run
 from wedmcam.machines import Machine
 from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
+from wedmcam.targets import target_of
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation, Source
@@ -80,17 +83,12 @@ def compile_several(
 
     made: list[Compilation] = []
     names = list(output_names) or [""] * len(machines)
-    # Where a controller offsets outlines by itself it is particular about where they start.
-    starts = next((m for m in machines if m.offsets), None)
+    options = options or Options()
+    data, name = api.bytes_of(source, name)
+    run = Run(options.strict)
+    refused = api.planned_for(data, name, options, machines, run)
     for machine, output in zip(shared(machines), names, strict=True):
-        one = api.compile(
-            source,
-            profile=machine,
-            name=name,
-            output_name=output,
-            options=options or Options(),
-            starts_of=starts,
-        )
+        one = api.compile_plan(data, name, machine, options, run.forked(), output, refused)
         made.append(one)
         if not one.ok:
             return Several(tuple(made), (), ())
@@ -114,7 +112,7 @@ def _compared(made: list[Compilation]) -> Several:
     for other in made:
         assert other.program is not None
         steppings = first.machine.stepping, other.machine.stepping
-        within = WITHIN_UM * max(1.0, first.program.step_um)
+        within = _within(first, other)
         found = difference(first.program, other.program, *steppings, within)
         apart.append(found.largest_um)
         if not found.equal:
@@ -129,6 +127,21 @@ def _compared(made: list[Compilation]) -> Several:
                 )
             )
     return Several(tuple(made), tuple(apart), tuple(wrong))
+
+
+def _within(one: Compilation, other: Compilation) -> float:
+    """Return how far two programs of one plan may be apart, um.
+
+    Formats that state the path are one to a step. A controller that makes the path itself (G41, 4B)
+    is held to the plan: two such paths are apart by what each was found to be off at most.
+    """
+    assert one.verdict is not None
+    assert other.verdict is not None
+    assert one.program is not None
+    stated = WITHIN_UM * max(1.0, one.program.step_um)
+    if not any(target_of(c.machine).makes_path for c in (one, other)):
+        return stated
+    return max(stated, one.verdict.max_deviation_um + other.verdict.max_deviation_um)
 
 
 def formats_of(to: str) -> list[str]:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from wedmcam import api, pipeline
+import wedmcam.transforms.lower as lowering
+from wedmcam import api
 from wedmcam.diag import Severity
 from wedmcam.metamorphic import ISOMETRIES, metamorphic
 
@@ -29,16 +30,16 @@ def test_images_of_samples_agree(name, to):
 
 def test_a_fault_of_one_quadrant_shows(monkeypatch):
     """A back end that mirrors steep lines to the upper left: the first part has none."""
-    right = pipeline.lower
+    right = lowering.lower
 
-    def lower(made, machine, options, run):
-        program = right(made, machine, options, run)
+    def lower(plan, rules):
+        program, found = right(plan, rules)
         blocks = program.blocks.copy()
         wrong = (blocks["kind"] == 0) & (blocks["x"] < 0) & (blocks["y"] == 0)
         blocks["x"][wrong] *= -1
-        return type(program)(blocks, program.origin, program.sources, (), program.words)
+        return type(program)(blocks, program.origin, program.sources, (), program.words), found
 
-    monkeypatch.setattr(pipeline, "lower", lower)
+    monkeypatch.setattr(lowering, "lower", lower)
     images, found = metamorphic(
         (SAMPLES / "key-punch.dxf").read_bytes(),
         "key-punch",

@@ -89,7 +89,7 @@ def test_picture_sheet_and_screen_number_alike(source, options, to, capsys):
             first.setdefault(row["cut"], [str(row["cut"]), *(v / 1000 for v in row["start_um"])])
     assert [tuple(v) for v in first.values()] == want
     # The program alone, without the drawing: counted from where it starts.
-    alone = api.verify(made.data, format=to, name="x")
+    alone = api.verify(made.data, profile=made.machine, name="x")
     x0, y0 = want[0][1:]
     there = [(n, pytest.approx(x - x0), pytest.approx(y - y0)) for n, x, y in want]
     assert of_picture(wedmcam.plot(alone, "x")) == there

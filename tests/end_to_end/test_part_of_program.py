@@ -12,9 +12,9 @@ from parts import dxf_bytes, random_part
 from wedmcam import api, conversion
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
-from wedmcam.entered import Entered
 from wedmcam.judge.difference import difference
 from wedmcam.options import Options
+from wedmcam.targets import Entries
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = sorted(p.name for p in (ROOT / "tests/golden").iterdir() if p.suffix != ".py")
@@ -44,9 +44,9 @@ def test_golden_programs_come_back(name: str) -> None:
     data = (ROOT / "tests/golden" / name).read_bytes()
     given = None  # what the operator enters where the file is an outline
     if ".g41" in name:
-        given = Entered(d=((1, 100.0),))
+        given = Entries(d=((1, 100.0),))
     elif name.endswith(".4b"):
-        given = Entered(gap_um=100, outwards=".die" not in name)
+        given = Entries(gap_um=100, outwards=".die" not in name)
     machine = READ_AS.get(name, "iso-um" if name.endswith(".nc") else None)
     made = conversion.convert(data, to="wed", name=name, entered=given, profile_in=machine)
     assert made.ok, [str(d) for d in made.findings]

@@ -12,8 +12,8 @@ from wedmcam import conversion
 from wedmcam.frontends import DECODERS
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
-from wedmcam.machines import default
-from wedmcam.options import SUFFIX_OF_FORMAT
+from wedmcam.machines import builtin, default
+from wedmcam.options import SUFFIX_OF_FORMAT, Options
 from wedmcam.several import compile_several
 
 ROOT = Path(__file__).parents[2]
@@ -121,3 +121,20 @@ def test_the_controllers_own_path_is_the_same_too(name):
     )
     assert made.ok, made.findings
     assert max(made.apart_um) <= 1.0
+
+
+@pytest.mark.parametrize("profile", ["iso-g41", "iso-g41-mm"])
+@pytest.mark.parametrize(
+    "name", ["bracket-inch", "cam", "cover", "gear-24", "key-punch", "plate", "stator-36"]
+)
+def test_an_outline_in_g41_goes_with_the_path_in_3b(name, profile):
+    """Starts are placed once; a controller that makes its path is held to the plan."""
+    machines = [builtin("b3-compact"), builtin(profile)]
+    both = compile_several(
+        ROOT / "samples" / f"{name}.dxf", machines, options=Options(offset_um=100.0)
+    )
+    assert both.ok, [d.message for d in both.findings]
+    threads = [[c.thread for c in one.plan.cuts] for one in both.made]
+    assert threads[0] == threads[1]
+    proofs = sum(one.verdict.max_deviation_um for one in both.made)
+    assert max(both.apart_um) <= max(1.0, proofs)

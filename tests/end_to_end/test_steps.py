@@ -22,7 +22,6 @@ import wedmcam
 from drawings import drawing
 from wedmcam import api, conversion, setup_sheet
 from wedmcam.cli.block import explain_block
-from wedmcam.controllers.pointwise import trace
 from wedmcam.diag import Severity
 from wedmcam.frontends import decoder
 from wedmcam.ir.program import Kind, Role
@@ -51,7 +50,7 @@ def places(made, step_um):
     """Where the wire goes on contours, um: from the bytes, by who knows nothing of steps."""
     plain = replace(made.machine, axes=Axes())
     raw, _ = decoder(plain.format)(made.data, plain, "raw")
-    at, first = trace(raw.blocks, plain.own_stepping)
+    at, first = plain.own_stepping.trace(raw.blocks)
     roles = np.where(made.lowered.blocks["kind"] < Kind.MOVE, made.lowered.blocks["role"], 99)
     assert len(roles) == len(raw.blocks)
     of = np.repeat(np.arange(len(first)), np.diff([*first, len(at) - 1]))

@@ -69,7 +69,7 @@ def test_the_block_that_ran_on_along_a_smooth_path_is_named():
     said = 0
     for mutant in fg.mutants(g, arcs[:6]):
         if mutant.sort == "J +5":
-            _, found = fg.judge(mutant.program, g.plan, table=g.table, limits=g.limits)
+            _, found = fg.judge(mutant.program, g.plan, stepping=g.stepping, limits=g.limits)
             said += any(
                 f"block {mutant.row + 1} already ends 0.005 mm past" in d.message for d in found
             )
@@ -79,6 +79,6 @@ def test_the_block_that_ran_on_along_a_smooth_path_is_named():
 def test_golden_programs_themselves_pass():
     for name in ("key-punch.3b", "bracket-inch.zd"):
         g = golden(name)
-        verdict, found = fg.judge(g.program, g.plan, table=g.table, limits=g.limits)
+        verdict, found = fg.judge(g.program, g.plan, stepping=g.stepping, limits=g.limits)
         assert verdict.ok, found
         assert (g.program.blocks["axis"] == Axis.SQUARE).any() == name.endswith(".zd")

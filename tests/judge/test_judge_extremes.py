@@ -8,8 +8,9 @@ from judge_cases import edited, lower
 from test_judge_bounds import PLANS, tracked
 
 import parts
-from wedmcam import pipeline
+from wedmcam.compiler import sources
 from wedmcam.controllers.pointwise import LineTable
+from wedmcam.diag.run import Run
 from wedmcam.judge.bounds import bound
 from wedmcam.judge.deviation import measure
 from wedmcam.judge.extremes import extremes
@@ -54,8 +55,8 @@ def test_the_same_as_measuring(name, table):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_random_parts(seed):
-    options, run = Options(offset_um=100.0), pipeline.Run()
-    drawn = pipeline.read(parts.dxf_bytes(parts.random_part(seed)), "part", options, run)
-    plan = pipeline.plan(drawn, options, run)
+    options, run = Options(offset_um=100.0), Run()
+    drawn = sources.read(parts.dxf_bytes(parts.random_part(seed)), "part", options, run)
+    plan = sources.where_the_wire_goes(drawn, options, run)
     program = lower(plan, LineTable.ROTATE)
     assert agree(plan, tracked(plan, program, LineTable.ROTATE)) > 10

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from test_programs import programs
 
 from wedmcam.backends import encoder
-from wedmcam.controllers.pointwise import LineTable, run, trace
+from wedmcam.controllers.pointwise import LineTable, trace
 from wedmcam.controllers.pointwise.nominal import nominal_end
 from wedmcam.diag import has_errors
 from wedmcam.frontends import decoder
@@ -69,9 +69,9 @@ def test_the_controller_steps_the_image_of_the_path(way, line_table):
 
     machine = oriented("b3-compact", way, line_table)
     b = mixed_blocks(5, 3000)
-    b = b[run(b, machine.stepping).steps > 0]
+    b = b[machine.stepping.run(b).steps > 0]
     there = to_controller(Program(b), machine.axes).blocks
-    drawn, first = trace(b, machine.stepping)
+    drawn, first = machine.stepping.trace(b)
     stepped, first_there = trace(there, LineTable(line_table))
     assert np.array_equal(first, first_there)
     x, y = EXPECTED[way](drawn[:, 0], drawn[:, 1])
@@ -122,8 +122,8 @@ def check_round_trip(program, machine, plain):
     # Read by who knows nothing of axes: the image of what was read, step by step.
     raw, found = decoder(machine.format)(data, replace(plain, line_table=machine.line_table), "k")
     assert not has_errors(found)
-    drawn, _ = trace(again.blocks[: len(raw.blocks)], machine.stepping)
-    stepped, _ = trace(raw.blocks, machine.own_stepping)
+    drawn, _ = machine.stepping.trace(again.blocks[: len(raw.blocks)])
+    stepped, _ = machine.own_stepping.trace(raw.blocks)
     way = (machine.axes.exchange, machine.axes.mirror_x, machine.axes.mirror_y)
     assert np.array_equal(stepped, np.stack(EXPECTED[way](*drawn.T), axis=1))
     if not said:  # no 45 degree line was counted for another table

@@ -12,7 +12,7 @@ from test_programs import programs
 
 from wedmcam import api, conversion
 from wedmcam.backends import encoder
-from wedmcam.controllers.pointwise import LineTable
+from wedmcam.controllers.pointwise import of_table
 from wedmcam.diag import has_errors
 from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
@@ -21,7 +21,7 @@ from wedmcam.machines import builtin, names
 
 ISO = [n for n in names() if builtin(n).format == "iso"]
 SAMPLES = Path(__file__).parents[2] / "samples"
-ROTATE = LineTable.ROTATE
+ROTATE = of_table("rotate")
 
 
 def as_iso(program, name):

@@ -9,10 +9,10 @@ import pytest
 from wedmcam import api, conversion, machines
 from wedmcam.backends import encoder
 from wedmcam.diag import Severity
-from wedmcam.entered import Entered
 from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Axis, Kind
+from wedmcam.targets import Entries
 
 M = machines.builtin("b4-compact")
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -123,7 +123,7 @@ def test_round_trip():
             SAMPLES / f"{name}.dxf", to="3b", offset=0.1, corner=0.3, ignore_layers=["START"],
             **options,
         )  # fmt: skip
-        entered = Entered(gap_um=100, outwards=options.get("side") != "die")
+        entered = Entries(gap_um=100, outwards=options.get("side") != "die")
         outline = conversion.convert(made.data, to="4b", name="a.3b", entered=entered)
         assert outline.ok, [d.message for d in outline.findings]
         back = conversion.convert(outline.data, to="3b", name="a.4b", entered=entered)

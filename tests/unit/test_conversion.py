@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from wedmcam import conversion, machines
 from wedmcam.cli.main import cli
 from wedmcam.ir.program import Kind
+from wedmcam.targets import target_of
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 
@@ -126,7 +127,7 @@ def test_command(tmp_path, monkeypatch):
     Path("no.3b").write_bytes(b"nothing")
     assert run(cli, ["convert", "no.3b", "-o", "b.zd"], standalone_mode=False).return_value == 1
     assert not Path("b.zd").exists()
-    assert machines.default("compact").binary
+    assert not target_of(machines.default("compact")).is_text
 
 
 HOLE = "B900B0B900GXL1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n"

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from wedmcam.controller import trace
 
 from wedmcam import api
-from wedmcam.controller import trace
 from wedmcam.ir.program import Kind, LineTable
 from wedmcam.options import Options
 

@@ -294,9 +294,9 @@ def test_a_circle_in_compensation_takes_the_rule_too():
     text = PLACE.replace("G01 X15.0", "G41 D1 G01 X15.0").replace(
         "G01 X10.0 Y10.0\nM", "G40 G01 X10.0\nM"
     )
-    from wedmcam.entered import Entered
+    from wedmcam.targets import Entries
 
-    table = Entered(d=((1, 100.0),))
+    table = Entries(d=((1, 100.0),))
     assert asked(text, entered=table) == ["iso-centres"]
     program, _ = read(text, entered=table, centres_in="absolute")
     arc = program.blocks[program.blocks["turn"] != 0]

@@ -2,12 +2,12 @@
 
 import pytest
 
-from wedmcam import api, conversion, offsets
+from wedmcam import api, conversion
 from wedmcam.api import positions
-from wedmcam.entered import Entered
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 from wedmcam.options import WrongUse
+from wedmcam.targets import Entries, g41
 
 UM = builtin("iso-um")
 #: A slot of 10 by 5 mm with a round end, cut counter-clockwise from below; the wire outside.
@@ -25,7 +25,7 @@ M02
 
 
 def read(text, table=(), machine=UM):
-    program, found = offsets.decode(text.encode(), machine, "x.nc", offsets.table_of(table))
+    program, found = g41.decode(text.encode(), machine, "x.nc", Entries(d=tuple(table)).offset_of())
     return program, found
 
 
@@ -231,20 +231,20 @@ def test_the_number_that_the_program_uses_is_the_one_to_give():
 
 def test_tables():
     with pytest.raises(WrongUse, match="not negative"):
-        offsets.table_of([(1, -1.0)])
+        Entries(d=((1, -1.0),)).offset_of()
     with pytest.raises(WrongUse, match="twice"):
-        offsets.table_of([(1, 1.0), (1, 2.0)])
+        Entries(d=((1, 1.0), (1, 2.0))).offset_of()
 
 
 def test_the_library_takes_the_table():
     program, _, found = api.read_program(
-        SLOT.encode(), name="x.nc", entered=Entered(d=((1, 100.0),)), whole_in="um"
+        SLOT.encode(), name="x.nc", entered=Entries(d=((1, 100.0),)), whole_in="um"
     )
     assert not found
     assert len(program.blocks) == 10
     proof = api.verify(SLOT.encode(), name="x.nc", d=((1, 100.0),), whole_in="um")
     assert proof.ok
-    table = Entered(d=((1, 100.0),))
+    table = Entries(d=((1, 100.0),))
     made = conversion.convert(SLOT.encode(), to="3b", name="x.nc", entered=table, whole_in="um")
     assert made.ok
     apart, _ = api.diff(
@@ -252,7 +252,7 @@ def test_the_library_takes_the_table():
     )
     assert apart.equal
     with pytest.raises(WrongUse, match="--d is for ISO"):
-        conversion.convert(made.data, to="iso", name="x.3b", entered=Entered(d=((1, 100.0),)))
+        conversion.convert(made.data, to="iso", name="x.3b", entered=Entries(d=((1, 100.0),)))
 
 
 def test_identify_tells_the_numbers():

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from wedmcam import api, conversion, offsets
-from wedmcam.entered import Entered
+from wedmcam import api, conversion
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin
 from wedmcam.machines.machine import Axes
 from wedmcam.options import WrongUse
+from wedmcam.targets import Entries
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 DRAWINGS = sorted(p.name for p in SAMPLES.glob("*.dxf"))
@@ -47,7 +47,7 @@ def test_the_controllers_path_is_that_of_3b(name):
     table = made.machine.stepping
     assert difference(other.program, made.program, table, table, 1.0).equal
     back = conversion.convert(
-        made.data, to="3b", name="x.nc", profile_in="iso-g41-mm", entered=Entered(d=made.options.d)
+        made.data, to="3b", name="x.nc", profile_in="iso-g41-mm", entered=Entries(d=made.options.d)
     )
     assert back.ok
     assert back.difference.largest_um == 0
@@ -231,4 +231,4 @@ def test_certificates_hold_what_is_entered(tmp_path):
     )
     assert proof.ok
     assert proof.summary["d_um"] == {"1": 100.0}
-    assert offsets.told(made.options.d) == [("D1", "0.1000 mm")]
+    assert made.entries.lines() == [("D1", "0.1000 mm")]

@@ -10,7 +10,7 @@ from wedmcam.diag import TextSpan
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.plan import Cut, Side
 from wedmcam.ir.program import Axis, Kind, Role
-from wedmcam.transforms.lower import Target, lower
+from wedmcam.transforms.lower import Rules, lower
 from wedmcam.transforms.lower.repair import best_chain
 
 ROTATE = of_table("rotate")
@@ -33,8 +33,8 @@ def plan_of(*paths, threads=None, keeps=None, **more):
     return one_scene(cuts, paths, (0,) * len(paths), Side.ON, 0.0)
 
 
-def made(plan, target=None):
-    program, found = lower(plan, target or Target(ROTATE))
+def made(plan, rules=None):
+    program, found = lower(plan, rules or Rules(ROTATE))
     assert program is not None, found
     return program, found
 
@@ -63,7 +63,7 @@ def test_every_arc_lands_on_its_micron(square):
     table = LineTable.MIRROR if square else LineTable.ROTATE
     for seed in range(20):
         for contour in parts.random_part(seed):
-            program, _ = made(plan_of(contour), Target(of_table(table), square=square))
+            program, _ = made(plan_of(contour), Rules(of_table(table), square=square))
             ex, ey = ends(program, table)
             contour_blocks = program.blocks["role"] == Role.CONTOUR
             contour_blocks &= program.blocks["kind"] <= Kind.ARC
@@ -91,8 +91,8 @@ def test_long_lines_and_large_circles_are_split_within_the_limits():
     assert ends(program)[0][-1] == 2_500_000
     for radius in (300_000, 900_000):
         circle = parts.circle(0, 0, radius)
-        for target in (Target(ROTATE), Target(ROTATE, square=True, arc_um=10_000_000)):
-            program, found = made(plan_of(circle), target)
+        for rules in (Rules(ROTATE), Rules(ROTATE, square=True, arc_um=10_000_000)):
+            program, found = made(plan_of(circle), rules)
             assert (program.blocks["count"] <= 999_999).all()
             assert not [d for d in found if d.code == "radius-over-limit"]
 
@@ -102,7 +102,7 @@ def test_radius_over_the_limit_becomes_chords_and_is_said():
     program, found = made(plan_of(circle))
     assert [d.code for d in found if d.severity == 1] == ["radius-over-limit"]
     assert not (program.blocks["kind"] == Kind.ARC).any()
-    program, found = made(plan_of(circle), Target(ROTATE, square=True, arc_um=10_000_000))
+    program, found = made(plan_of(circle), Rules(ROTATE, square=True, arc_um=10_000_000))
     assert (program.blocks["kind"] == Kind.ARC).any()
 
 
@@ -187,7 +187,7 @@ def test_sources_that_contours_share_are_listed_once():
 
 def test_a_move_over_the_limit_is_refused():
     far = parts.circle(2_000_000, 0, 1000)
-    program, found = lower(plan_of(parts.circle(0, 0, 1000), far), Target(ROTATE))
+    program, found = lower(plan_of(parts.circle(0, 0, 1000), far), Rules(ROTATE))
     assert program is None
     assert [d.code for d in found] == ["move-too-long"]
 
@@ -208,7 +208,7 @@ def test_stop_and_overcut():
 def test_textbook_ends_are_those_that_the_controller_computes():
     from wedmcam.controllers.pointwise.nominal import nominal_end
 
-    program, _ = made(plan_of(*parts.random_part(3)), Target(ROTATE, textbook=True))
+    program, _ = made(plan_of(*parts.random_part(3)), Rules(ROTATE, textbook=True))
     b = program.blocks[program.blocks["kind"] == Kind.ARC]
     ex, ey = nominal_end(b["x"], b["y"], b["turn"], b["axis"], b["count"])
     # Where the arc steps at all, it passes within a micron or so of the computed end.

@@ -12,9 +12,9 @@ import pytest
 import shapely
 from hypothesis import example, given
 from hypothesis import strategies as st
+from wedmcam.controller import trace
 
 from wedmcam import api
-from wedmcam.controller import trace
 from wedmcam.ir.program import LineTable
 
 

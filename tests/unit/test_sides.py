@@ -7,10 +7,10 @@ import pytest
 
 import parts
 from wedmcam import api, conversion
-from wedmcam.entered import Entered
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.difference import difference
 from wedmcam.options import WrongUse
+from wedmcam.targets import Entries
 
 # Paths of the wire: a hole of R 1.9 within a rounded square, and within nothing.
 HOLE = "B900B0B900GXL1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n"
@@ -32,7 +32,7 @@ WITHIN_UM = 5.0
 
 
 def outlined(path, to="4b", gap=50, outwards=True):
-    entered = Entered(gap_um=gap, outwards=outwards)
+    entered = Entries(gap_um=gap, outwards=outwards)
     return conversion.convert(path.encode(), to=to, name="a.3b", entered=entered)
 
 
@@ -84,13 +84,13 @@ def test_the_outline_is_right_for_any_gap(to, side):
     for seed in range(4):
         drawing = drawn(seed)
         path = api.compile(drawing, to="3b", offset=0.1, side=side)
-        at = Entered(gap_um=100, outwards=side == "part")
+        at = Entries(gap_um=100, outwards=side == "part")
         made = conversion.convert(path.data, to=to, name="a.3b", entered=at)
         assert made.ok, [d.message for d in made.findings]
         back = conversion.convert(made.data, to="3b", format=to, entered=at)
         assert back.ok
         for other in (60, 140):
-            entered = Entered(gap_um=other, outwards=at.outwards)
+            entered = Entries(gap_um=other, outwards=at.outwards)
             read, machine, _ = api.read_program(made.data, format=to, entered=entered)
             right = api.compile(drawing, to="3b", offset=other / 1000, side=side)
             tables = machine.stepping, right.machine.stepping
@@ -159,7 +159,7 @@ def test_an_outline_without_its_gap_is_no_path(to):
     assert made.data is None
     assert [d.code for d in made.findings] == ["no-gap"]
     assert "--gap" in made.findings[0].hint
-    meant = conversion.convert(RING, to=to, name="a.4b", entered=Entered(gap_um=0))
+    meant = conversion.convert(RING, to=to, name="a.4b", entered=Entries(gap_um=0))
     assert meant.ok
     assert "no-gap" not in [d.code for d in meant.findings]
 

@@ -60,9 +60,9 @@ def convert_command(
     """
     from wedmcam import conversion
     from wedmcam.cli import say
-    from wedmcam.entered import Entered
+    from wedmcam.targets import Entries, target_of
 
-    target = to if to in conversion.TARGETS else None if to else conversion.target_of(output)
+    target = to if to in conversion.TARGETS else None if to else conversion.output_of(output)
     machine = None
     if target is None:
         profile = profile or _set_profile(output, to)
@@ -73,7 +73,7 @@ def convert_command(
     check_outputs([program, *also_read(click.get_current_context())], [output])
     if output == "-" and json_:
         raise click.UsageError("--json and the program cannot both be standard output")
-    if output == "-" and machine and machine.binary and sys.stdout.isatty():
+    if output == "-" and machine and not target_of(machine).is_text and sys.stdout.isatty():
         raise click.UsageError("a binary program is not for a terminal: give -o FILE")
     name = "stdin" if program == "-" else program
     data = read_input(program)
@@ -86,7 +86,7 @@ def convert_command(
             format=format_,
             name=name,
             strict=strict,
-            entered=Entered(copies, angle, gap_um, side == "part", d),
+            entered=Entries(copies, angle, gap_um, side == "part", d),
             **ask.said_of(asked),
         )
     say.say_findings(made.findings, name, quiet)

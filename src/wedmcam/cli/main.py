@@ -131,7 +131,9 @@ def compile_command(
             click.echo("nothing was written", err=True)
         return int(made.status)
     assert made.data is not None
-    if output == "-" and machine.binary and not drawn and sys.stdout.isatty():
+    from wedmcam.targets import target_of
+
+    if output == "-" and not target_of(machine).is_text and not drawn and sys.stdout.isatty():
         raise click.UsageError("a binary program is not for a terminal: give -o FILE")
     from wedmcam import api
     from wedmcam.cli import say
@@ -566,7 +568,8 @@ def _is_program(data: bytes) -> bool:
     from wedmcam.frontends.identify import identify
     from wedmcam.options import PROGRAM_FORMATS
 
-    return identify(data).format in PROGRAM_FORMATS
+    seen = identify(data)
+    return seen.format in PROGRAM_FORMATS
 
 
 PICTURES = (".svg", ".png", ".html")
@@ -651,8 +654,8 @@ def dump_command(
     from wedmcam.cli import say
     from wedmcam.cli.tables import dump_lines, dump_rows
     from wedmcam.diag import has_errors
-    from wedmcam.entered import Entered
     from wedmcam.frontends.dump import stated
+    from wedmcam.targets import Entries
 
     machine = machine_for(file, profile_in or profile, format_)
     data = read_program(file)
@@ -661,7 +664,7 @@ def dump_command(
         profile=machine,
         format=format_,
         name=_name(file),
-        entered=Entered(d=d),
+        entered=Entries(d=d),
         shown=True,
         **ask.said_of(asked),
     )
@@ -722,13 +725,13 @@ def _explain_block(
     from wedmcam import api
     from wedmcam.cli import say
     from wedmcam.cli.block import explain_block
-    from wedmcam.entered import Entered
     from wedmcam.frontends.dialect import QUESTIONS
+    from wedmcam.targets import Entries
 
     machine = machine_for(file, profile)
     data = read_program(file)
     program, used, found = api.read_program(
-        data, profile=machine, name=_name(file), entered=Entered(d=d), shown=True, **said
+        data, profile=machine, name=_name(file), entered=Entries(d=d), shown=True, **said
     )
     if program is None:
         say.say_findings(found, _name(file))

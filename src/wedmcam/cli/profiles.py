@@ -115,10 +115,10 @@ def _probe_written(output: str, profile: str) -> int:
     say.say_findings(found, profile, texts={profile: text})
     if machine is None:
         return 2
-    if machine.format != "3b":
+    if not machine.is_of("3b"):
         why = (
             "an ISO block states where it ends, and its reader goes there"
-            if machine.format == "iso"
+            if machine.is_of("iso")
             else "the ZD-065's line table and counting are published: its profiles have them"
         )
         raise WrongUse(f"the probe is a program in 3B, not in {machine.format}: {why}")

@@ -138,7 +138,7 @@ def say_figures(proof: Proof) -> None:
 
 def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
     """Print what was made, in a few lines; ``verbose``: and a line a contour."""
-    from wedmcam import offsets
+    from wedmcam.transforms.plan.wording import offsets_text
 
     v, drawn = made.verdict, made.drawn
     if v is None or drawn is None:
@@ -148,16 +148,16 @@ def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
     s = made.summary
     for line in (
         f"{s['input']}  {info.units} ({info.units_from})  {_size(drawn)}",
-        f"contours   {v.contours} cut, offset {offsets.said(made.plan)}, side {v.side}",
+        f"contours   {v.contours} cut, offset {offsets_text(made.plan)}, side {v.side}",
         f"program    {output}  {v.blocks} blocks, path {v.path_mm:.3f} mm, {v.steps} steps, "
         f"profile {made.machine.name}",
         proof_line(made),
     ):
         click.echo(line, err=True)
-    if made.options.d:
-        pairs = ", ".join(f"{name} = {length}" for name, length in offsets.told(made.options.d))
+    if made.entries is not None and made.entries.d:
+        pairs = ", ".join(f"{name} = {length}" for name, length in made.entries.lines())
         click.echo(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
-    if made.machine.gapped:
+    if made.entries is not None and made.entries.gap_um is not None:
         side = "die (inwards)" if v.side == "die" else "part (outwards)"
         gap = f"gap {v.offset_um / 1000:.3f} mm, {side}"
         click.echo(f"enter      {gap}, at the controller: it offsets arcs itself", err=True)

@@ -93,11 +93,11 @@ def _machines(formats: list[str], profile: str | None) -> list[Any]:
     if profile is None:
         return [ask.machine_of(None, format_) for format_ in formats]
     named = ask.machine_of(profile, None)
-    if named.format not in formats:
+    if not any(named.is_of(f) for f in formats):
         raise click.UsageError(
             f"the profile '{named.name}' is for {named.format}, not for {', '.join(formats)}"
         )
-    return [named if f == named.format else ask.machine_of(None, f) for f in formats]
+    return [named if named.is_of(f) else ask.machine_of(None, f) for f in formats]
 
 
 def _for(name: str | None, program: str) -> str | None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import import_module
 
 import numpy as np
 
 from wedmcam.diag import ByteSpan, TextSpan
 from wedmcam.formats import quadrants
+from wedmcam.frontends import DECODERS
 from wedmcam.ir.program import Axis, Kind, Program, in_um
 from wedmcam.machines import Machine
 
@@ -50,17 +52,9 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
     Of the ZD-065's other formats and of 4B; empty for the rest. `dump` shows the cutting blocks
     that the controller makes of them (without copies, gap 0).
     """
-    if machine.format == "4b":
-        from wedmcam.frontends import b4
-
-        return b4.stated(data, machine)
-    if machine.format == "rotation":
-        from wedmcam.frontends import rotation as binary
-    elif machine.format == "compensation":
-        from wedmcam.frontends import gap as binary  # type: ignore[no-redef]
-    else:
-        return {}
-    return {f"{at:#06x}": text for at, text in binary.stated(data).items()}
+    of_format = getattr(import_module(DECODERS[machine.format]), "stated", None)
+    more: dict[str, str] = {} if of_format is None else of_format(data, machine)
+    return more
 
 
 def dump(program: Program, machine: Machine) -> Iterator[Row]:

@@ -84,17 +84,23 @@ def senses(data: bytes, machine: Machine) -> NDArray[np.int64]:
     return out
 
 
-def stated(data: bytes) -> dict[int, str]:
+def stated(data: bytes, machine: Machine) -> dict[str, str]:
     """Return what each arc states beside x, y and J, for people, by its address.
 
-    >>> stated(bytes.fromhex("24 01 00002000 00000000 00002000 002828 00"))
-    {0: 'R 2.000 mm, grows outwards'}
+    >>> from wedmcam.machines import default
+    >>> stated(bytes.fromhex("24 01 00002000 00000000 00002000 002828 00"), default("compensation"))
+    {'0x0000': 'R 2.000 mm, grows outwards'}
     """
     s, figure = _fields(data, "")
     words = {1: "grows outwards", -1: "shrinks outwards", 0: "no type"}
     return {
-        int(s.starts[k]): f"R {mm(int(figure['radius'][k]))}, {words[int(figure['grows'][k])]}"
-        for k in np.flatnonzero(s.arc)
+        f"{int(s.starts[k]):#06x}": f"R {mm(radius)}, {words[grows]}"
+        for k, radius, grows in zip(
+            np.flatnonzero(s.arc),
+            figure["radius"][s.arc].tolist(),
+            figure["grows"][s.arc].tolist(),
+            strict=True,
+        )
     }
 
 

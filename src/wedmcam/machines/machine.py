@@ -235,17 +235,6 @@ class Machine:
 
         return stepping_of(self.format, self.line_table)
 
-    @property
-    def offsets(self) -> bool:
-        """Whether the controller offsets outlines by itself (G41, G42)."""
-        return self.format == "iso" and self.iso.compensation == "controller"
-
-    @property
-    def gapped(self) -> bool:
-        """Whether a program is an outline of which the controller scales the arcs by a gap."""
-        return self.format in ("compensation", "4b")
-
-    @property
-    def binary(self) -> bool:
-        """Whether its programs are bytes and no text."""
-        return self.format in ("compact", "rotation", "compensation")
+    def is_of(self, format_: str) -> bool:
+        """Return whether its programs are in a format."""
+        return self.format == format_

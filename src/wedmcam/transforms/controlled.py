@@ -29,7 +29,7 @@ from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
 from wedmcam.transforms.compensate import compensate
-from wedmcam.transforms.lower import Target, lower
+from wedmcam.transforms.lower import Rules, lower
 
 #: A path that ends this near to its start, where the outline is closed, closes: the rounding of a
 #: joint that is tangent but for the last digit; um.
@@ -50,12 +50,12 @@ class _Made:
     of: Ints
 
 
-def applied(read: Programmed, target: Target) -> tuple[Program | None, list[Diagnostic]]:
+def applied(read: Programmed, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program that the controller makes of outlines and offsets.
 
     Args:
         read: as the reader of the format gives it.
-        target: limits of a block, and the line table.
+        rules: limits of a block, and the line table.
 
     Returns:
         Every run as the stepped path beside its outline; spans stay those of the file. None and
@@ -69,7 +69,7 @@ def applied(read: Programmed, target: Target) -> tuple[Program | None, list[Diag
     made: list[_Made] = []
     for run in range(int(motions["run"].max()) + 1):
         rows = np.flatnonzero(motions["run"] == run)
-        one, more = _run(motions[rows], [spans[k] for k in rows.tolist()], target)
+        one, more = _run(motions[rows], [spans[k] for k in rows.tolist()], rules)
         found += more
         if one is None:
             continue
@@ -107,9 +107,7 @@ def _woven(read: Programmed, made: list[_Made]) -> Program:
     return Program(every, program.origin, program.sources, spans, words)
 
 
-def _run(
-    motions: Blocks, spans: list[Span], target: Target
-) -> tuple[_Made | None, list[Diagnostic]]:
+def _run(motions: Blocks, spans: list[Span], rules: Rules) -> tuple[_Made | None, list[Diagnostic]]:
     """Return the blocks of one run; ``of`` counts its motions from 0 on."""
     on = np.flatnonzero(motions["role"] == Role.CONTOUR)
     lead = motions[0]
@@ -131,7 +129,7 @@ def _run(
         return None, found
     x, y = to_grid([lead["x0"], lead["y0"]]).tolist()
     cut = Cut(None, path, (x, y), keeps_left=shift < 0)
-    lowered, found = lower(Plan((cut,), ()), target)
+    lowered, found = lower(Plan((cut,), ()), rules)
     if lowered is None:
         return None, [replace(d, span=spans[0]) for d in found]
     # The way out of a closed path is not that of the file: it follows.
@@ -142,21 +140,21 @@ def _run(
         end = path.vertices[0 if path.closed else -1]
         ax, ay = to_grid([end["x"], end["y"]]).tolist()
         bx, by = to_grid([motions["x1"][-1], motions["y1"][-1]]).tolist()
-        out = _line(bx - ax, by - ay, target)
+        out = _line(bx - ax, by - ay, rules)
         blocks = np.concatenate([blocks, out])
         of = np.concatenate([of, np.full(len(out), len(motions) - 1)])
     return _Made(blocks, of), []
 
 
-def _line(dx: int, dy: int, target: Target) -> Blocks:
+def _line(dx: int, dy: int, rules: Rules) -> Blocks:
     """Return a line in as many blocks as the limits need; none where it has no length."""
-    most = min(target.line_um, target.count_um)
+    most = min(rules.line_um, rules.count_um)
     pieces = -(-max(abs(dx), abs(dy)) // most)
     k = np.arange(pieces + 1)
     x, y = dx * k // max(pieces, 1), dy * k // max(pieces, 1)
     out = np.zeros(pieces, BLOCK)
     out["kind"], out["x"], out["y"] = Kind.LINE, np.diff(x), np.diff(y)
-    out["axis"], out["count"] = target.stepping.line_count(out["x"], out["y"])
+    out["axis"], out["count"] = rules.stepping.line_count(out["x"], out["y"])
     return out
 
 

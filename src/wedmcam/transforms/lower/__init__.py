@@ -26,7 +26,7 @@ from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_ar
 from wedmcam.transforms.lower.repair import best_chain
 from wedmcam.transforms.lower.steps import in_steps
 
-__all__ = ["Budget", "Target", "lower"]
+__all__ = ["Budget", "Rules", "lower"]
 
 #: Rounds of repairing and splitting; each halves what is left, so this is far more than needed.
 ROUNDS = 24
@@ -42,7 +42,7 @@ SHORTEST_UM = 4.0
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class Rules:
     """What lowering must know of the machine.
 
     Attributes:
@@ -123,7 +123,7 @@ SEGMENT = (
 COURSE = ("v0", "v1", "turn", "source", "role", "cut", "keeps", "group")
 
 
-def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]:
+def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program of a plan, and what had to be done to make it.
 
     The program starts at the thread point of the first cut. Blocks carry role, cut number and
@@ -133,20 +133,20 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
     ``cannot-lower`` (error), ``blocks-split`` and ``specks-dropped`` (notes).
     """
     found: list[Diagnostic] = []
-    plan = in_steps(plan, target.step_um)
+    plan = in_steps(plan, rules.step_um)
     course = lay_out(plan)
     s = _state(course)
-    found += _chords_over_limit(s, course, target)
-    _split_long_lines(s, target)
+    found += _chords_over_limit(s, course, rules)
+    _split_long_lines(s, rules)
     _split_nearly_closed(s)
     budget = Budget()
     splits = 0
     for _ in range(ROUNDS):
-        _try_arcs(s, target, budget)
+        _try_arcs(s, rules, budget)
         bad = np.flatnonzero(s.done == 0)
         if not len(bad):
             break
-        bad = _repair(s, bad, target, budget)
+        bad = _repair(s, bad, rules, budget)
         if len(bad):
             splits += len(bad)
             _split(s, bad)
@@ -156,8 +156,8 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
         found.append(
             error(
                 "cannot-lower",
-                f"an arc near ({s.x[s.v0[k]] / target.per_mm:.3f}, "
-                f"{s.y[s.v0[k]] / target.per_mm:.3f}) mm has no "
+                f"an arc near ({s.x[s.v0[k]] / rules.per_mm:.3f}, "
+                f"{s.y[s.v0[k]] / rules.per_mm:.3f}) mm has no "
                 "stepped image within the budget of deviation",
                 course.sources[s.source[k]] if s.source[k] >= 0 else None,
                 hint="please report the drawing",
@@ -168,10 +168,10 @@ def lower(plan: Plan, target: Target) -> tuple[Program | None, list[Diagnostic]]
         found.append(
             note(
                 "blocks-split",
-                f"{splits} arcs were split so that the path stays within {2 * target.step_um:g} um",
+                f"{splits} arcs were split so that the path stays within {2 * rules.step_um:g} um",
             )
         )
-    program, more = _blocks(s, course, plan, target)
+    program, more = _blocks(s, course, plan, rules)
     return program, found + more
 
 
@@ -259,8 +259,8 @@ def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> None:
         s.done[touched] = np.where(s.turn[touched] != 0, -1, 2)
 
 
-def _chords_over_limit(s: _State, course: Course, target: Target) -> list[Diagnostic]:
-    rows = np.flatnonzero((s.turn != 0) & (s.radius > target.arc_um - 2))
+def _chords_over_limit(s: _State, course: Course, rules: Rules) -> list[Diagnostic]:
+    rows = np.flatnonzero((s.turn != 0) & (s.radius > rules.arc_um - 2))
     if not len(rows):
         return []
     _, sweep = _sweeps(s, rows)
@@ -270,9 +270,9 @@ def _chords_over_limit(s: _State, course: Course, target: Target) -> list[Diagno
         found.append(
             warning(
                 "radius-over-limit",
-                f"an arc of radius {s.radius[k] / target.per_mm:.3f} mm is over the format's limit "
-                f"of {target.arc_um / target.per_mm:.3f} mm: cut as {n} chords within "
-                f"{CHORD_SAG_UM * target.step_um:g} um",
+                f"an arc of radius {s.radius[k] / rules.per_mm:.3f} mm is over the format's limit "
+                f"of {rules.arc_um / rules.per_mm:.3f} mm: cut as {n} chords within "
+                f"{CHORD_SAG_UM * rules.step_um:g} um",
                 course.sources[s.source[k]] if s.source[k] >= 0 else None,
             )
         )
@@ -293,10 +293,10 @@ def _chords_over_limit(s: _State, course: Course, target: Target) -> list[Diagno
     return found
 
 
-def _split_long_lines(s: _State, target: Target) -> None:
+def _split_long_lines(s: _State, rules: Rules) -> None:
     a, b = s.v0, s.v1
     reach = np.maximum(np.abs(s.gx[b] - s.gx[a]), np.abs(s.gy[b] - s.gy[a]))
-    limit = min(target.line_um, target.count_um) - 2
+    limit = min(rules.line_um, rules.count_um) - 2
     rows = np.flatnonzero((s.turn == 0) & (reach > limit))
     if len(rows):
         _replace(s, rows, -(-reach[rows] // limit), chords=False)
@@ -313,7 +313,7 @@ def _split_nearly_closed(s: _State) -> None:
         _replace(s, rows, np.full(len(rows), 2), chords=False)
 
 
-def _try_arcs(s: _State, target: Target, budget: Budget) -> None:
+def _try_arcs(s: _State, rules: Rules, budget: Budget) -> None:
     """Fit all arcs that were not tried, between the microns that their vertices are on."""
     rows = np.flatnonzero(s.done == -1)
     a, b = s.v0[rows], s.v1[rows]
@@ -331,11 +331,11 @@ def _try_arcs(s: _State, target: Target, budget: Budget) -> None:
         s.gx[b],
         s.gy[b],
         budget,
-        target.arc_um,
-        target.count_um,
-        target.stepping,
-        textbook=target.textbook,
-        square=target.square_axis,
+        rules.arc_um,
+        rules.count_um,
+        rules.stepping,
+        textbook=rules.textbook,
+        square=rules.square_axis,
     )
     _take(s, rows, got)
     flat = ~got.ok & _flat(s, rows)
@@ -357,7 +357,7 @@ def _take(s: _State, rows: Ints, got: Arcs) -> None:
     s.ax[rows], s.ay[rows] = s.gx[s.v0[rows]] - got.cx, s.gy[s.v0[rows]] - got.cy
 
 
-def _repair(s: _State, bad: Ints, target: Target, budget: Budget) -> Ints:
+def _repair(s: _State, bad: Ints, rules: Rules, budget: Budget) -> Ints:
     """Move vertices next to failed arcs; return the arcs that fail all the same."""
     n = len(s.v0)
     uses = np.bincount(s.v0, minlength=len(s.x)) + np.bincount(s.v1, minlength=len(s.x))
@@ -404,7 +404,7 @@ def _repair(s: _State, bad: Ints, target: Target, budget: Budget) -> Ints:
         np.concatenate(ay),
         np.concatenate(bx_),
         np.concatenate(by_),
-        target,
+        rules,
         budget,
     )
     at = np.cumsum([0, *(shape[k][0] * shape[k][1] for k in rows.tolist())])
@@ -441,7 +441,7 @@ def _pair_costs(
     ay: Ints,
     bx: Ints,
     by: Ints,
-    target: Target,
+    rules: Rules,
     budget: Budget,
 ) -> Floats:
     """Return the cost of segment of[k] from (ax, ay)[k] to (bx, by)[k]; inf where impossible."""
@@ -461,11 +461,11 @@ def _pair_costs(
             bx[k],
             by[k],
             budget,
-            target.arc_um,
-            target.count_um,
-            target.stepping,
-            textbook=target.textbook,
-            square=target.square_axis,
+            rules.arc_um,
+            rules.count_um,
+            rules.stepping,
+            textbook=rules.textbook,
+            square=rules.square_axis,
         )
         arc_cost = np.where(got.ok, got.cost, np.inf)
         # A flat arc may be a line, but better not.
@@ -500,11 +500,11 @@ def _split(s: _State, bad: Ints) -> None:
 
 
 def _blocks(
-    s: _State, course: Course, plan: Plan, target: Target
+    s: _State, course: Course, plan: Plan, rules: Rules
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program: blocks of all groups, with the control records between them."""
     found: list[Diagnostic] = []
-    per = target.per_mm
+    per = rules.per_mm
     a, b = s.v0, s.v1
     dx, dy = s.gx[b] - s.gx[a], s.gy[b] - s.gy[a]
     arc = (s.turn != 0) & (s.done == 1)
@@ -522,10 +522,10 @@ def _blocks(
     blocks["turn"] = np.where(arc, s.turn, 0)
     blocks["x"] = np.where(arc, s.ax, dx)
     blocks["y"] = np.where(arc, s.ay, dy)
-    axis, count = target.stepping.line_count(dx, dy)
-    arc_axis = np.full(len(a), int(target.square_axis)) if target.square else s.axis
+    axis, count = rules.stepping.line_count(dx, dy)
+    arc_axis = np.full(len(a), int(rules.square_axis)) if rules.square else s.axis
     blocks["axis"] = np.where(arc, arc_axis, axis)
-    blocks["count"] = np.where(arc, s.square if target.square else s.count, count)
+    blocks["count"] = np.where(arc, s.square if rules.square else s.count, count)
     blocks["role"], blocks["source"], blocks["cut"] = s.role, s.source, s.cut
 
     parts: list[NDArray[np.void]] = []
@@ -537,13 +537,13 @@ def _blocks(
             parts.append(_control(Kind.PAUSE))
             here = before.thread if before.path.closed else _last_point(before)
             mx, my = cut.thread[0] - here[0], cut.thread[1] - here[1]
-            if max(abs(mx), abs(my)) > target.line_um:
+            if max(abs(mx), abs(my)) > rules.line_um:
                 found.append(
                     error(
                         "move-too-long",
                         f"the move from ({here[0] / per:.3f}, {here[1] / per:.3f}) to the thread "
                         f"point ({cut.thread[0] / per:.3f}, {cut.thread[1] / per:.3f}) mm is "
-                        f"longer than one block of {target.line_um / per:.3f} mm",
+                        f"longer than one block of {rules.line_um / per:.3f} mm",
                         cut.path.source_of(0),
                         hint="another --order, or thread points nearer to each other",
                     )
@@ -551,7 +551,7 @@ def _blocks(
             if mx or my:
                 move = np.zeros(1, BLOCK)
                 move["kind"], move["x"], move["y"], move["source"] = Kind.MOVE, mx, my, -1
-                m_axis, m_count = target.stepping.line_count(np.array([mx]), np.array([my]))
+                m_axis, m_count = rules.stepping.line_count(np.array([mx]), np.array([my]))
                 move["axis"], move["count"] = m_axis, m_count
                 parts += [move, _control(Kind.PAUSE)]
         for n, group in enumerate(course.cut_groups[index]):
@@ -559,13 +559,13 @@ def _blocks(
                 parts.append(_control(Kind.PAUSE))
             first, last = np.searchsorted(groups, [group, group + 1])
             body = blocks[order[first:last]]
-            parts.append(_never_alone(body, target))
+            parts.append(_never_alone(body, rules))
     parts.append(_control(Kind.STOP))
     start = plan.cuts[0].thread
     if any(d.code == "move-too-long" for d in found):
         return None, found
     return (
-        Program(np.concatenate(parts), start, tuple(course.sources), step_um=target.step_um),
+        Program(np.concatenate(parts), start, tuple(course.sources), step_um=rules.step_um),
         found,
     )
 
@@ -582,7 +582,7 @@ def _control(kind: Kind) -> NDArray[np.void]:
     return block
 
 
-def _never_alone(body: NDArray[np.void], target: Target) -> NDArray[np.void]:
+def _never_alone(body: NDArray[np.void], rules: Rules) -> NDArray[np.void]:
     """Write a single line between two D as two: alone it would be a move (2-3b.md)."""
     if len(body) != 1 or body["kind"][0] != Kind.LINE:
         return body
@@ -592,5 +592,5 @@ def _never_alone(body: NDArray[np.void], target: Target) -> NDArray[np.void]:
     both = np.concatenate([body, body])
     hx, hy = int(to_grid(x / 2)), int(to_grid(y / 2))
     both["x"], both["y"] = [hx, x - hx], [hy, y - hy]
-    both["axis"], both["count"] = target.stepping.line_count(both["x"], both["y"])
+    both["axis"], both["count"] = rules.stepping.line_count(both["x"], both["y"])
     return both

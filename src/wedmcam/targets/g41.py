@@ -1,4 +1,4 @@
-"""Programs of which the path depends on the controller's table of offsets: G41 and G42 D.
+"""Programs whose path depends on the controller's table of offsets: G41 and G42 D.
 
 The reader gives outlines, `transforms.controlled` says what the controller makes of them; here the
 two meet, with the table that the operator enters.
@@ -6,22 +6,24 @@ two meet, with the table that the operator enters.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, TextSpan, has_errors
+from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, note
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
+from wedmcam.targets.entries import Entries
+from wedmcam.targets.stated import Iso
 
 if TYPE_CHECKING:
     from wedmcam.frontends.compensation import Table
     from wedmcam.frontends.dialect import Dialect
-    from wedmcam.transforms.lower import Target
+    from wedmcam.transforms.lower import Rules
     from wedmcam.transforms.outlines import Grid, Written
 
 #: How often other places of the grid are tried where the path would stray too far.
@@ -29,8 +31,6 @@ ROUNDS = 12
 
 #: What was chosen for a motion: a row of `transforms.outlines.Written.chosen`.
 Choice = tuple[int, int, int, int]
-#: Pairs of a D number and its offset, um.
-Given = Iterable[tuple[int, float]]
 
 
 def decode(
@@ -60,7 +60,7 @@ def decode(
         from wedmcam.transforms.controlled import applied
 
         # The controller offsets in its own frame: a mirror turns left and right around.
-        done, more = applied(made, target_of(machine))
+        done, more = applied(made, rules_of(machine))
         program, found = (program if done is None else done), [*found, *more]
     return to_drawing(program, machine.axes), found
 
@@ -73,53 +73,70 @@ def _in_steps(table: Table, step_um: float) -> Table:
     return steps
 
 
-def started(plan: Plan, machine: Machine) -> tuple[Plan | None, list[Diagnostic]]:
-    """Return a plan whose paths start where a controller that offsets them can start."""
-    from wedmcam.transforms import outlines
+class Offsetting(Iso):
+    """A controller that offsets outlines by itself: G41, G42 and D numbers."""
 
-    return outlines.started(plan, grid_of(machine)) if machine.offsets else (plan, [])
+    makes_path = True
+    needs_lead = "G41 and G42 are taken up on a lead, and there is none in the kerf"
+
+    @property
+    def advice(self) -> tuple[Diagnostic, ...]:
+        """See `Target`."""
+        return (
+            note(
+                "not-reachable",
+                "the outline and the path of the controller are both rounded to its grid: some "
+                "places come out farther from the path than is allowed",
+                hint="a profile with more digits (iso-g41-mm), or one that does not leave the "
+                "offset to the controller",
+            ),
+        )
+
+    def place_starts(self, plan: Plan) -> tuple[Plan | None, Sequence[Diagnostic]]:
+        """Beside a segment: it is particular about where paths start."""
+        from wedmcam.transforms import outlines
+
+        return outlines.started(plan, grid_of(self.machine))
+
+    def entries(self, plan: Plan) -> Entries:
+        """A D number for each offset."""
+        from wedmcam.transforms import outlines
+
+        return Entries(d=tuple(outlines.numbers(plan, self.machine.iso.d).items()))
+
+    def write(
+        self, program: Program, plan: Plan, entries: Entries, options: Options
+    ) -> tuple[bytes | None, Sequence[Diagnostic]]:
+        """See `Target`."""
+        return encode(plan, program, self.machine, entries, options)
+
+    @property
+    def refuses_carried(self) -> Diagnostic | None:
+        """A program from elsewhere has no outline to write."""
+        return error(
+            "not-in-format",
+            f"the profile '{self.machine.name}' wants outlines that the controller offsets, and a "
+            "program has only the path of the wire",
+            hint="compile the drawing with this profile, or convert with a profile that takes the "
+            "path (iso-um, iso-mm)",
+        )
 
 
-def numbers(plan: Plan, machine: Machine) -> dict[int, float]:
-    """Return what is to be entered at the controller: D number -> um; none for others."""
-    from wedmcam.transforms import outlines
-
-    return outlines.numbers(plan, machine.iso.d) if machine.offsets else {}
-
-
-def of_cuts(plan: Plan) -> list[float]:
-    """Return the offset of each cut, um: cuts of a part program have their own."""
-    return [cut.offset_um for cut in plan.cuts]
-
-
-def said(plan: Plan) -> str:
-    """Return the offsets of all cuts for people: one, or each that occurs."""
-    return ", ".join(f"{um / 1000:.3f}" for um in sorted(set(of_cuts(plan)))) + " mm"
-
-
-def entered(plan: Plan, machine: Machine, options: Options) -> Options:
-    """Return the options with what is to be entered at the controller."""
-    return replace(options, d=tuple(numbers(plan, machine).items())) if machine.offsets else options
-
-
-def told(d: Given) -> list[tuple[str, str]]:
-    """Return what is to be entered at the controller, for people.
-
-    >>> told([(1, 101.6)])
-    [('D1', '0.1016 mm')]
-    """
-    return [(f"D{number}", f"{um / 1000:.4f} mm") for number, um in d]
+def iso_target(machine: Machine) -> Iso:
+    """Return the target of an ISO profile: of a path, or of outlines."""
+    return (Offsetting if machine.iso.compensation == "controller" else Iso)(machine)
 
 
 def encode(
-    plan: Plan, lowered: Program, machine: Machine, options: Options
+    plan: Plan, lowered: Program, machine: Machine, entries: Entries, options: Options
 ) -> tuple[bytes, list[Diagnostic]]:
     """Return the ISO file in which the outlines of a plan stand with G41 or G42.
 
     Args:
-        plan: whose paths start where `started` put them.
+        plan: whose paths start where `Offsetting.place_starts` put them.
         lowered: the same plan in blocks.
         machine: an ISO profile of a controller that offsets.
+        entries: its D numbers.
         options: as asked for.
 
     Raises:
@@ -140,7 +157,7 @@ def encode(
     found = travel(to_controller(lowered, machine.axes), machine)
     if has_errors(found):
         return b"", found
-    table = numbers(plan, machine)
+    table = dict(entries.d)
     writer = _Writer(lowered, machine, table)
     data, more, strays = writer.tried(plan, [])
     if strays:
@@ -160,7 +177,7 @@ class _Writer:
     """
 
     def __init__(self, lowered: Program, machine: Machine, table: dict[int, float]) -> None:
-        from wedmcam.source_map import block_ends
+        from wedmcam.programs.places import block_ends
 
         self.lowered, self.machine, self.table = lowered, machine, table
         self.ends = block_ends(lowered, machine)[1]
@@ -232,31 +249,6 @@ def _strays(
     return [c for c in sorted(chosen) if c[0] >= 0]
 
 
-def table_of(given: Given, every: float | None = None) -> Table | None:
-    """Return the table of an operator; None where nothing was entered.
-
-    Args:
-        given: D numbers and offsets, um.
-        every: um, for all D numbers, where ``given`` is empty.
-
-    Raises:
-        WrongUse: an offset below 0, or two for one number.
-
-    >>> table = table_of([(1, 100.0)])
-    >>> table(1), table(2), table_of([], 90.0)(7)
-    (100.0, None, 90.0)
-    """
-    entered: dict[int, float] = {}
-    for number, offset in given:
-        if offset < 0:
-            raise WrongUse(f"--d {number}: an offset is not negative; G41 and G42 tell the side")
-        if entered.setdefault(number, offset) != offset:
-            raise WrongUse(f"--d {number} is given twice")
-    if entered:
-        return entered.get
-    return None if every is None else lambda number: every
-
-
 def grid_of(machine: Machine) -> Grid:
     """Return what the numbers of an ISO profile can state."""
     from wedmcam.transforms.outlines import Grid
@@ -266,11 +258,11 @@ def grid_of(machine: Machine) -> Grid:
     return Grid(step, machine.limits.line_um, machine.limits.arc_um)
 
 
-def target_of(machine: Machine) -> Target:
+def rules_of(machine: Machine) -> Rules:
     """Return what lowering must know of a text machine, in the controller's own frame."""
-    from wedmcam.transforms.lower import Target
+    from wedmcam.transforms.lower import Rules
 
-    return Target(
+    return Rules(
         stepping=machine.own_stepping,
         count_um=machine.limits.count_um,
         line_um=machine.limits.line_um,

@@ -1,0 +1,1 @@
+"""The compiler: `pipeline` is the whole of it on one screen."""

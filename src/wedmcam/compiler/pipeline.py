@@ -1,0 +1,130 @@
+"""The compiler on one screen: every stage in its order, and where it stops.
+
+A source becomes a plan, a plan becomes bytes for one machine, and they are proven. Compiles for
+several machines, loads, the rest after a broken wire, ``verify`` and images are callers of these
+two. Nothing here opens a file or prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from wedmcam.compiler.sources import Drawn, read, where_the_wire_goes
+from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.diag.run import Run
+from wedmcam.ir.plan import Plan
+from wedmcam.ir.program import Program
+from wedmcam.options import Options
+from wedmcam.targets import Entries, Target
+
+if TYPE_CHECKING:
+    from wedmcam.judge.verdict import Verdict
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compiled:
+    """A plan as bytes for one machine.
+
+    Attributes:
+        plan: what they were compared with.
+        entries: what the operator enters beside them.
+        lowered: the program as it was encoded, with roles and sources.
+        data: the bytes.
+        program: decoded from them, with its origin.
+        verdict: the figures of the judge.
+    """
+
+    plan: Plan
+    entries: Entries
+    lowered: Program
+    data: bytes
+    program: Program
+    verdict: Verdict
+
+
+def planned(
+    source: bytes, name: str, options: Options, targets: Sequence[Target], run: Run
+) -> tuple[Drawn, Plan]:
+    """A source becomes a plan: where the wire goes, with starts where all targets can start."""
+    drawn = run("drawn", (read(source, name, options, run), ()))
+    return drawn, plan_of(drawn, options, targets, run)
+
+
+def plan_of(drawn: Drawn, options: Options, targets: Sequence[Target], run: Run) -> Plan:
+    """What was drawn becomes a plan."""
+    plan = where_the_wire_goes(drawn, options, run)
+    for target in targets:
+        plan = run("leads", target.place_starts(plan))
+    return run("plan", (plan, ()))
+
+
+def compiled(plan: Plan, target: Target, options: Options, run: Run, name: str = "") -> Compiled:
+    """A plan becomes bytes for one machine, and they are proven."""
+    entries, lowered, data = emitted(plan, target, options, run)
+    program, verdict = proven(data, name, plan, lowered, target, entries, options, run)
+    return Compiled(plan, entries, lowered, data, program, verdict)
+
+
+def emitted(
+    plan: Plan, target: Target, options: Options, run: Run
+) -> tuple[Entries, Program, bytes]:
+    """A plan becomes bytes for one machine: what the operator enters, and the program."""
+    from wedmcam.transforms.lower import lower
+
+    entries = run("enter", (target.entries(plan), ()))
+    lowered = run("lower", lower(plan, target.rules(options.count)))
+    data = run("encode", target.write(lowered, plan, entries, options))
+    return entries, lowered, data
+
+
+def proven(
+    data: bytes,
+    name: str,
+    plan: Plan,
+    lowered: Program,
+    target: Target,
+    entries: Entries,
+    options: Options,
+    run: Run,
+) -> tuple[Program, Verdict]:
+    """The bytes are decoded again, run, and compared with the plan and the part."""
+    program, found = target.read(data, name or "program", entries)
+    # Notes of the reader say how it understood a foreign file; and what the writer warned of (the
+    # file needs two loads, say) need not be said twice.
+    said = {d.code for d in run.found}
+    new = [
+        d
+        for d in found
+        if d.severity is Severity.ERROR or (d.severity > Severity.NOTE and d.code not in said)
+    ]
+    run.add("decode", new)
+    program = run("decode", (replace(program, origin=lowered.origin), ()))
+    verdict, found = judged(program, plan, target, options)
+    if has_errors(found):
+        found = [*found, *target.advice]
+    return program, run("verify", (verdict, found))
+
+
+def judged(
+    program: Program,
+    plan: Plan,
+    target: Target,
+    options: Options,
+    *,
+    strict_order: bool = True,
+) -> tuple[Verdict, list[Diagnostic]]:
+    """A program is run on its controller and measured; see `judge.judge`."""
+    from wedmcam.judge.judge import judge
+
+    textbook = (options.count or target.machine.count) == "textbook"
+    return judge(
+        program,
+        plan,
+        stepping=target.machine.stepping,
+        limits=target.machine.limits,
+        count="textbook" if textbook else "exact",
+        strict_order=strict_order,
+        trimmed=options.trim,
+    )

@@ -1,0 +1,179 @@
+"""From the bytes of a source to contours, and to a plan: a drawing or a part program.
+
+Nothing here knows for which machine it is: that begins in ``pipeline``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from wedmcam.arithmetic import FLOAT64, Arithmetic
+from wedmcam.diag import Diagnostic, option_texts
+from wedmcam.diag.run import Run
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.plan import Plan
+from wedmcam.ir.sketch import Sketch
+from wedmcam.options import Options, WrongUse
+
+if TYPE_CHECKING:
+    from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.nest import Nesting
+    from wedmcam.transforms.plan.shaped import ShapedCut
+    from wedmcam.transforms.plan.wording import Wording
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """What was drawn: loose segments, and the contours they make.
+
+    ``computed``: formulas made the contours: in another arithmetic they are others.
+    ``held``: findings about outlines that are held by what is not read; errors stop the plan.
+    """
+
+    sketch: Sketch
+    contours: tuple[Contour, ...]
+    report: ChainReport
+    nesting: Nesting
+    computed: bool
+    held: tuple[Diagnostic, ...] = ()
+
+    @property
+    def words(self) -> Wording:
+        """What its user calls what is planned."""
+        from wedmcam.transforms.plan.wording import OF_DRAWING
+
+        return OF_DRAWING
+
+    def cuts(self, options: Options) -> tuple[tuple[ShapedCut, ...], list[Diagnostic]]:
+        """Return what is to be cut: a drawing is one cut."""
+        from wedmcam.transforms.plan.drawing import cut_of_drawing
+
+        return cut_of_drawing(self.contours, self.nesting, self.sketch.thread_points, options)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class DrawnPart(Drawn):
+    """What a part program cuts; it says of each cut how."""
+
+    shaped: tuple[ShapedCut, ...]
+
+    @property
+    def words(self) -> Wording:
+        """What its user calls what is planned."""
+        from wedmcam.transforms.plan.wording import OF_PART
+
+        return OF_PART
+
+    def cuts(self, options: Options) -> tuple[tuple[ShapedCut, ...], list[Diagnostic]]:
+        """Return what is to be cut."""
+        return self.shaped, []
+
+
+def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
+    """Return the contours of a drawing, or of a part program."""
+    if source_format(data, file, options) == "wed":
+        return _read_part(data, file, options, run)
+    if options.defines:
+        raise WrongUse("-D sets a let of a .wed program; this is a drawing")
+    from wedmcam.frontends.dxf import DxfOptions
+    from wedmcam.frontends.dxf import read as read_dxf
+    from wedmcam.transforms.chain import chain
+    from wedmcam.transforms.held import held
+    from wedmcam.transforms.nest import nest
+
+    asked = DxfOptions(
+        units=options.units,
+        fill_in_units=options.fill_in_units,
+        layers=options.layers,
+        ignore_layers=options.ignore_layers,
+        ignore_types=options.ignore_types,
+        tolerance_um=options.tolerance_um,
+    )
+    sketch = run("read", read_dxf(data, file, asked))
+    contours, report, found = chain(sketch, options.join_um)
+    run.add("chain", found)
+    about = held(sketch, contours, options.join_um, options.offset_um or 0.0)
+    if options.transforms:
+        sketch, contours = _transformed(sketch, contours, options, run)
+    return Drawn(sketch, contours, report, nest(contours), bool(options.transforms), about)
+
+
+def source_format(data: bytes, file: str, options: Options) -> str:
+    """Return the format of a source: as asked for, else by its name, else by its content."""
+    if options.source is not None:
+        return options.source
+    name = file.lower()
+    if name.endswith((".wed", ".dxf")):
+        return name[-3:]
+    from wedmcam.frontends.identify import is_part
+
+    return "wed" if is_part(data) else "dxf"
+
+
+def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
+    """Return the figures that a part program cuts, each with what is asked of it."""
+    from wedmcam.frontends.wed import read as read_wed
+    from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.figures.part import shape_cuts, sketch_of
+    from wedmcam.transforms.nest import nest
+    from wedmcam.transforms.plan import idle
+
+    part = run(
+        "read",
+        read_wed(data, file, arithmetic=options.arithmetic, defines=options.defines),
+    )
+    run.add("read", idle.of_source(part, options))
+    more = _transforms(options, run)
+    shaped = run("transform", shape_cuts(part, more, arithmetic(options)))
+    sketch, contours = sketch_of(part, shaped)
+    closed = sum(c.closed for c in contours)
+    report = ChainReport(closed, len(contours) - closed)
+    return DrawnPart(sketch, contours, report, nest(contours), True, shaped=shaped)
+
+
+def _transforms(options: Options, run: Run) -> list[Any]:
+    """Return what ``--transform`` says, parsed."""
+    if not options.transforms:
+        return []
+    from wedmcam.frontends.wed import parse_transform
+
+    texts = option_texts("--transform", options.transforms)
+    parsed = [parse_transform(text, name) for name, text in texts.items()]
+    run.add("transform", [d for _, found in parsed for d in found])
+    return [t for t, _ in parsed if t is not None]
+
+
+def _transformed(
+    sketch: Sketch, contours: tuple[Contour, ...], options: Options, run: Run
+) -> tuple[Sketch, tuple[Contour, ...]]:
+    """Return contours and thread points after ``--transform``; --start points stay (ruling 5)."""
+    from wedmcam.transforms import figures
+    from wedmcam.transforms.meetings import contour_meetings
+
+    whole = figures.Sequence(tuple(_transforms(options, run)))
+    made = run(
+        "transform", figures.transformed(contours, whole, arithmetic(options), sketch.thread_points)
+    )
+    run.add("transform", figures.idle_reverse(contours, whole))
+    contours = figures.counter_clockwise(made[0])
+    run.add("transform", contour_meetings(contours))
+    return replace(sketch, thread_points=made[1]), contours
+
+
+def arithmetic(options: Options) -> Arithmetic:
+    """Return the arithmetic in which formulas run."""
+    if options.arithmetic == FLOAT64.name:
+        return FLOAT64
+    from wedmcam.decimal8 import DECIMAL8
+
+    return DECIMAL8
+
+
+def where_the_wire_goes(drawn: Drawn, options: Options, run: Run) -> Plan:
+    """Return where the wire goes: sides, compensation, leads, order."""
+    from wedmcam.transforms.plan.planner import plan_cuts
+
+    run.add("nest", drawn.held)
+    cuts = run("open", drawn.cuts(options))
+    return run("plan", plan_cuts(cuts, options, arithmetic(options), drawn.words))

@@ -1,0 +1,62 @@
+"""How stages run one after the other: findings gather, and an error stops what comes next.
+
+A stage takes values and returns ``(value, findings)``. After a stage that found an error nothing
+more runs: `Refused`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
+
+from wedmcam.diag.finding import Diagnostic, Severity, has_errors
+
+T = TypeVar("T")
+
+
+class Refused(Exception):  # noqa: N818 - a kind of stop, not of error
+    """The input cannot be compiled; ``Run.found`` says why. ``stage`` names where it stopped."""
+
+    def __init__(self, stage: str) -> None:
+        super().__init__(stage)
+        self.stage = stage
+
+
+@dataclass
+class Run:
+    """Collects what the stages find, and stops after the first one that found an error.
+
+    Attributes:
+        strict: warnings are errors.
+        found: all findings, in the order in which they were made.
+        values: of the stages that came through, by their names, the last of each.
+    """
+
+    strict: bool = False
+    found: list[Diagnostic] = field(default_factory=list)
+    values: dict[str, Any] = field(default_factory=dict)
+
+    def forked(self) -> Run:
+        """Return a run that goes on from here, and leaves this one as it is."""
+        return Run(self.strict, list(self.found), dict(self.values))
+
+    def __call__(self, stage: str, result: tuple[T | None, Iterable[Diagnostic]]) -> T:
+        """Take a stage's findings over and return its value."""
+        value, found = result
+        self.add(stage, found)
+        assert value is not None, f"{stage} returned nothing and said nothing"
+        self.values[stage] = value
+        return value
+
+    def add(self, stage: str, found: Iterable[Diagnostic]) -> None:
+        """Take findings over; refuse if there is an error among them."""
+        new = [self._judged(d) for d in found]
+        self.found += new
+        if has_errors(new):
+            raise Refused(stage)
+
+    def _judged(self, d: Diagnostic) -> Diagnostic:
+        if self.strict and d.severity is Severity.WARNING:
+            return replace(d, severity=Severity.ERROR)
+        return d

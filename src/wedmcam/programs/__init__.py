@@ -1,0 +1,1 @@
+"""What can be asked of a program, whoever made it: places, and which block is which."""

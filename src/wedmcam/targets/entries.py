@@ -1,0 +1,107 @@
+"""What the operator enters beside a file: copies and an angle, a gap and its side, a table of D.
+
+A file in the ZD-065's rotation or compensation format is a figure; the cutting program is what the
+controller makes of it with these numbers (``controllers.zd065``). An ISO file with G41 or G42 holds
+outlines, and the table of D numbers says how far beside them the wire runs. Reader and writer of a
+target do not know each other: both are handed the same entries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wedmcam.options import WrongUse
+
+if TYPE_CHECKING:
+    from wedmcam.frontends.dialect import Dialect
+
+#: Formats of outlines whose arcs the controller scales by a gap.
+GAPPED = ("compensation", "4b")
+
+
+@dataclass(frozen=True, slots=True)
+class Entries:
+    """Numbers that belong to a rotation or a compensation file, or to ISO with G41 or G42.
+
+    Attributes:
+        copies: of a figure in rotation format, 0 to 99 [S].
+        angle: degrees from copy to copy, counter-clockwise.
+        gap_um: of a compensation or 4B file, whole um; None where it is not stated: what is read
+            then is the outline, and `Target.unstated` says so.
+        outwards: True for a part (punch), False for a die.
+        d: numbers and offsets of an ISO program that the controller offsets, um.
+        every_um: the offset of all D numbers where ``d`` is empty; None for none.
+        dialect: what is said of a foreign ISO program; None where its machine is known.
+    """
+
+    copies: int = 0
+    angle: float = 0.0
+    gap_um: float | None = None
+    outwards: bool = True
+    d: tuple[tuple[int, float], ...] = ()
+    every_um: float | None = None
+    dialect: Dialect | None = None
+
+    def __post_init__(self) -> None:
+        if bool(self.copies) != bool(self.angle):
+            raise WrongUse("--copies and --angle go together")
+        if not 0 <= self.copies <= 99:
+            raise WrongUse(f"--copies {self.copies}: the controller makes 1 to 99")
+
+    def check(self, source: str, target: str) -> None:
+        """Refuse what neither format takes.
+
+        Args:
+            source: format of the program that is read.
+            target: format that is written.
+
+        Raises:
+            WrongUse: with what would take it.
+        """
+        if (self.copies or self.angle) and source != "rotation":
+            raise WrongUse(f"--copies and --angle turn a figure in rotation format, not {source}")
+        if self.d and source != "iso":
+            raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
+        if not self.gap_um:
+            return
+        if not {source, target} & {*GAPPED}:
+            raise WrongUse(
+                f"--gap is for the compensation format and 4B, not for {source} to {target}"
+            )
+        if {source, target} <= {*GAPPED}:
+            raise WrongUse(f"--gap would be applied to {source} data that stay an outline")
+        if self.gap_um != round(self.gap_um) or self.gap_um < 0:
+            raise WrongUse(f"--gap is a whole number of um from 0 on, not {self.gap_um:g} um")
+
+    def offset_of(self) -> Callable[[int], float | None] | None:
+        """Return the controller's table, D number to um; None where nothing was entered.
+
+        Raises:
+            WrongUse: an offset below 0, or two for one number.
+
+        >>> table = Entries(d=((1, 100.0),)).offset_of()
+        >>> table(1), table(2), Entries().offset_of(), Entries(every_um=90.0).offset_of()(7)
+        (100.0, None, None, 90.0)
+        """
+        entered: dict[int, float] = {}
+        for number, offset in self.d:
+            if offset < 0:
+                raise WrongUse(
+                    f"--d {number}: an offset is not negative; G41 and G42 tell the side"
+                )
+            if entered.setdefault(number, offset) != offset:
+                raise WrongUse(f"--d {number} is given twice")
+        if entered:
+            return entered.get
+        every = self.every_um
+        return None if every is None else lambda number: every
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Return the offsets as people enter them.
+
+        >>> Entries(d=((1, 101.6),)).lines()
+        [('D1', '0.1016 mm')]
+        """
+        return [(f"D{number}", f"{um / 1000:.4f} mm") for number, um in self.d]

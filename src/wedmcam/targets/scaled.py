@@ -1,0 +1,161 @@
+"""Controllers that offset an outline by scaling its arcs: 4B, the ZD-065's compensation format.
+
+A program is the outline, and the operator enters the gap and its side. What is stated of each arc
+is whether the gap makes it larger or smaller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, Severity, has_errors, note
+from wedmcam.ir.plan import Plan, Side
+from wedmcam.ir.program import Kind, Program
+from wedmcam.machines import Machine
+from wedmcam.options import Options, WrongUse
+from wedmcam.targets import gap
+from wedmcam.targets.entries import Entries
+from wedmcam.targets.stated import Memory, Stated
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Scaled(Stated):
+    """What both share; ``instead``: the format that states the path to the same controller."""
+
+    makes_path = True
+    takes_gap = True
+    instead: ClassVar[str] = "3b"
+
+    @property
+    def advice(self) -> tuple[Diagnostic, ...]:
+        """See `Target`."""
+        return (
+            note(
+                "not-reachable",
+                "the controller scales and rounds the arcs of this format: some gaps come out "
+                "farther from the path than is allowed",
+                hint=f"another gap by some um, or --to {self.instead}",
+            ),
+        )
+
+    def entries(self, plan: Plan) -> Entries:
+        """The gap of all cuts, and its side."""
+        gaps = gap.gaps(plan)
+        if len(gaps) > 1:
+            several = ", ".join(f"{um / 1000:.4g} mm at {place}" for um, place in gaps)
+            raise WrongUse(
+                f"{self.machine.format} has one gap for all cuts, and they have different offsets: "
+                f"{several}"
+            )
+        return self._entries(gaps[0][0] if gaps else 0.0, plan.side)
+
+    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
+        """The gap of the plan; without one that of the options."""
+        if plan is not None:
+            return self.entries(plan)
+        return self._entries(options.offset_um or 0.0, options.effective_side)
+
+    def _entries(self, gap_um: float, side: Side) -> Entries:
+        if abs(gap_um - round(gap_um)) > 1e-6:
+            raise WrongUse(f"the gap of {self.machine.format} is whole um, not {gap_um:g}")
+        return Entries(gap_um=round(gap_um), outwards=side is not Side.DIE)
+
+    def write(
+        self, program: Program, plan: Plan, entries: Entries, options: Options
+    ) -> tuple[bytes | None, Sequence[Diagnostic]]:
+        """See `Target`."""
+        found = gap.corners(plan, self.instead)
+        if has_errors(found):
+            return None, found
+        grows = gap.grown(plan, program)
+        data, more = self._encoded(program, grown=grows, **_stated(entries))
+        return data, [*found, *more]
+
+    def read(
+        self, data: bytes, file: str, entries: Entries
+    ) -> tuple[Program, Sequence[Diagnostic]]:
+        """See `Target`."""
+        return self._decoded(data, file, **_stated(entries))
+
+    def unstated(self, program: Program) -> list[Diagnostic]:
+        """See `Target`."""
+        if not _has_arcs(program):
+            return []
+        what = "no gap is given: what is shown is the outline; the wire runs beside it by the gap"
+        hint = "wedmcam convert FILE -o path.3b --gap 0.1mm makes the path of it"
+        return [note("no-gap", what, hint=hint)]
+
+    def senses(self, data: bytes) -> NDArray[np.int64] | None:
+        """See `Target`."""
+        from wedmcam.frontends import senses
+
+        found: NDArray[np.int64] = senses(data, self.machine)
+        return found
+
+    def write_carried(
+        self, program: Program, entries: Entries, senses: NDArray[np.int64] | None
+    ) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `Target`."""
+        if senses is not None:
+            of = senses[program.blocks["source"]]
+            stated: dict[str, Any] = {"gap_um": 0, "outwards": True}
+            return self._encoded(program, grown=np.where(of == 0, 1, of), **stated)
+        from wedmcam.targets.outline_side import grown
+
+        said: list[Diagnostic] = []
+        if entries.gap_um is None and _has_arcs(program):
+            what = "no gap is given: the program states the path of the wire as its outline"
+            hint = "enter a gap of 0 at the controller; --gap 0 says that it is meant"
+            said = [note("no-gap", what, hint=hint)]
+        stated = _stated(entries)
+        grows, found = grown(program, self.machine, stated["gap_um"], entries.outwards)
+        if grows is not None:
+            stated["grown"] = grows
+            said += found
+        elif entries.gap_um:
+            return None, found
+        else:  # with a gap of 0 the path is right all the same
+            said += [replace(d, severity=Severity.WARNING) for d in found]
+        data, more = self._encoded(program, **stated)
+        return data, [*said, *more]
+
+
+class B4(Scaled):
+    """4B: text."""
+
+    end = True
+
+
+class Compensation(Scaled, Memory):
+    """The ZD-065's compensation format."""
+
+    instead = "compact"
+
+    @property
+    def block_bytes(self) -> tuple[int, int]:
+        """See `formats.gap`."""
+        from wedmcam.formats import compact
+        from wedmcam.formats import gap as rows
+
+        return compact.LINE_BYTES, rows.ARC_BYTES
+
+    @property
+    def own_path(self) -> Machine:
+        """The ZD-065's cutting format."""
+        from wedmcam.machines import default
+
+        return default("compact")
+
+
+def _stated(entries: Entries) -> dict[str, Any]:
+    return {"gap_um": round(entries.gap_um or 0.0), "outwards": entries.outwards}
+
+
+def _has_arcs(program: Program) -> bool:
+    return bool((program.blocks["kind"] == Kind.ARC).any())

@@ -1,0 +1,265 @@
+"""Controllers whose programs state the path of the wire: 3B, the ZD-065's formats, ISO.
+
+The operator enters nothing for a plan, paths may start anywhere, and reader and writer are those of
+the format.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from wedmcam.diag import Diagnostic
+from wedmcam.ir.plan import Plan
+from wedmcam.ir.program import Axis, Program
+from wedmcam.machines import Machine
+from wedmcam.options import Options, WrongUse
+from wedmcam.targets.entries import Entries
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from wedmcam.transforms import carry
+    from wedmcam.transforms.lower import Rules
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What all of them share; a format with nothing special needs no more.
+
+    Attributes:
+        machine: the profile.
+        square: arcs count on the inscribed square, not on an axis.
+        geometric: J by geometry can be asked for (``--count textbook``).
+        words: a pattern of the bare control words that the format keeps; empty for none.
+        pairs: a line alone between two pauses would be read as a move.
+        end: there is a record for the end of the file beside that for the end of cutting.
+        turns: a block may hold more than a turn.
+    """
+
+    machine: Machine
+
+    is_text: ClassVar[bool] = True
+    makes_path: ClassVar[bool] = False
+    takes_gap: ClassVar[bool] = False
+    needs_lead: ClassVar[str] = ""
+    square: ClassVar[bool] = False
+    geometric: ClassVar[bool] = False
+    words: ClassVar[str] = ".*"
+    pairs: ClassVar[bool] = True
+    end: ClassVar[bool] = False
+    turns: ClassVar[bool] = True
+
+    @property
+    def stop_word(self) -> str:
+        """See `Target`."""
+        return self.machine.words.stop
+
+    @property
+    def advice(self) -> tuple[Diagnostic, ...]:
+        """Nothing to add: such a program states the very path."""
+        return ()
+
+    @property
+    def block_bytes(self) -> tuple[int, int]:
+        """A record each."""
+        return 1, 1
+
+    @property
+    def memory(self) -> int:
+        """See `Target`."""
+        return self.machine.limits.blocks
+
+    @property
+    def refuses_carried(self) -> Diagnostic | None:
+        """A path can be stated."""
+        return None
+
+    @property
+    def own_path(self) -> Machine:
+        """Its own: the program states the path."""
+        return self.machine
+
+    @property
+    def square_axis(self) -> Axis:
+        """How the inscribed square counts at a tie, seen from the drawing."""
+        return Axis.SQUARE_X if self.machine.axes.exchange else Axis.SQUARE
+
+    def rules(self, count: str | None) -> Rules:
+        """See `Target`."""
+        from wedmcam.transforms.lower import Rules
+
+        textbook = (count or self.machine.count) == "textbook"
+        if textbook and not self.geometric:
+            raise WrongUse(
+                "--count textbook is for 3B: the ZD-065 counts on the inscribed square, by stepping"
+            )
+        limits = self.machine.limits
+        return Rules(
+            stepping=self.machine.stepping,
+            square=self.square,
+            square_axis=self.square_axis,
+            count_um=limits.count_um,
+            line_um=limits.line_um,
+            arc_um=limits.arc_um,
+            textbook=textbook,
+            step_um=self.machine.axes.step_um,
+        )
+
+    def place_starts(self, plan: Plan) -> tuple[Plan | None, Sequence[Diagnostic]]:
+        """Anywhere will do."""
+        return plan, ()
+
+    def entries(self, plan: Plan) -> Entries:
+        """Nothing is entered."""
+        return Entries()
+
+    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
+        """Nothing was."""
+        return Entries()
+
+    def write(
+        self, program: Program, plan: Plan, entries: Entries, options: Options
+    ) -> tuple[bytes | None, Sequence[Diagnostic]]:
+        """See `Target`."""
+        return self._encoded(program)
+
+    def read(
+        self, data: bytes, file: str, entries: Entries
+    ) -> tuple[Program, Sequence[Diagnostic]]:
+        """See `Target`."""
+        return self._decoded(data, file)
+
+    def unstated(self, program: Program) -> list[Diagnostic]:
+        """Everything is stated."""
+        return []
+
+    def senses(self, data: bytes) -> NDArray[np.int64] | None:
+        """A path is no outline."""
+        return None
+
+    def carry_rules(self) -> carry.Rules:
+        """See `Target`."""
+        from wedmcam.transforms.carry import Rules
+
+        return Rules(
+            square=self.square,
+            square_axis=self.square_axis,
+            stepping=self.machine.stepping,
+            count_um=self.machine.limits.count_um,
+            line_um=self.machine.limits.line_um,
+            words=self.words,
+            pairs=self.pairs,
+            end=self.end,
+            turns=self.turns,
+        )
+
+    def write_carried(
+        self, program: Program, entries: Entries, senses: NDArray[np.int64] | None
+    ) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `Target`."""
+        data, found = self._encoded(program)
+        return data, list(found)
+
+    def _encoded(self, program: Program, **stated: Any) -> tuple[bytes, list[Diagnostic]]:
+        from wedmcam.backends import encoder
+
+        written: tuple[bytes, list[Diagnostic]] = encoder(self.machine.format)(
+            program, self.machine, **stated
+        )
+        return written
+
+    def _decoded(self, data: bytes, file: str, **entered: Any) -> tuple[Program, list[Diagnostic]]:
+        from wedmcam.frontends import decoder
+
+        read: tuple[Program, list[Diagnostic]] = decoder(self.machine.format)(
+            data, self.machine, file, **entered
+        )
+        return read
+
+
+class B3(Stated):
+    """3B: text, J on an axis, by stepping or by geometry."""
+
+    geometric = True
+    end = True
+
+
+class Iso(Stated):
+    """ISO G-code of the wire's path; what is read may be outlines in G41, G42 all the same."""
+
+    words = r"M\d{1,4}"
+    turns = False
+
+    @property
+    def stop_word(self) -> str:
+        """See `Target`."""
+        return "M02"
+
+    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
+        """The controller's table of offsets, or the offset as that of all D."""
+        return Entries(d=options.d, every_um=options.offset_um)
+
+    def read(
+        self, data: bytes, file: str, entries: Entries
+    ) -> tuple[Program, Sequence[Diagnostic]]:
+        """See `Target`."""
+        from wedmcam.targets.g41 import decode
+
+        return decode(data, self.machine, file, entries.offset_of(), entries.dialect)
+
+
+class Memory(Stated):
+    """What the ZD-065 holds in its memory: bytes, arcs counted on the inscribed square."""
+
+    is_text = False
+    square = True
+    words = ""
+    pairs = False
+
+    @property
+    def stop_word(self) -> str:
+        """The format always ends."""
+        return ""
+
+    @property
+    def memory(self) -> int:
+        """See `Target`."""
+        return self.machine.limits.memory_bytes
+
+
+class Compact(Memory):
+    """The ZD-065's cutting format."""
+
+    @property
+    def block_bytes(self) -> tuple[int, int]:
+        """See `formats.compact`."""
+        from wedmcam.formats import compact
+
+        return compact.LINE_BYTES, compact.ARC_BYTES
+
+
+class Rotation(Memory):
+    """The ZD-065's rotation format: a figure that the controller copies by an angle."""
+
+    @property
+    def block_bytes(self) -> tuple[int, int]:
+        """See `formats.rotation`."""
+        from wedmcam.formats import rotation
+
+        return rotation.LINE_BYTES, rotation.ARC_BYTES
+
+    @property
+    def own_path(self) -> Machine:
+        """The ZD-065's cutting format."""
+        from wedmcam.machines import default
+
+        return default("compact")
+
+    def read(
+        self, data: bytes, file: str, entries: Entries
+    ) -> tuple[Program, Sequence[Diagnostic]]:
+        """See `Target`."""
+        return self._decoded(data, file, copies=entries.copies, step=entries.angle)

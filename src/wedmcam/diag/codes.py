@@ -386,7 +386,7 @@ CODES: dict[str, Code] = {
     "closed-left-right": Code(
         "a closed contour was asked to be cut on its left or right",
         "left of a closed contour is inside or outside, depending on how it was drawn",
-        "say --side part or --side die",
+        "say --side part or --side die; in a part program inside or outside",
     ),
     "nothing-to-cut": Code(
         "the offset leaves no path to cut",

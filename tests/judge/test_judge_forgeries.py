@@ -317,6 +317,31 @@ def test_something_cut_after_the_part():
     assert errors["extra-cut"].startswith("blocks 13 to 14 ")
 
 
+def test_a_move_behind_the_last_cut():
+    plan = square_plan()
+    program = lower(plan)
+    more = np.concatenate(
+        [program.blocks[:-1], control(Kind.PAUSE), move(0, -500), control(Kind.END)]
+    )
+    errors = refuse(replace(program, blocks=more), plan)
+    assert "does not end where the plan ends" in errors["thread-point"]
+    verdict, findings = judge(
+        replace(program, blocks=more), plan, stepping=of_table(LineTable.ROTATE), strict_order=False
+    )
+    assert verdict.ok, findings
+
+
+def test_lead_across_another_cut():
+    """On the line nothing is kept, but a lead may not meet another cut."""
+    two = circle(0, 0, 1000), circle(5000, 0, 1000)
+    cuts = (Cut(two[0], two[0], (2000, 0)), Cut(two[1], two[1], (-3000, 0), number=2))
+    plan = one_scene(cuts, two, (0, 0), Side.ON, 0.0)
+    errors = refuse(lower(plan), plan)
+    assert errors["lead-hits"].startswith("a lead of cut 2 meets cut 1 at (-1.000, 0.000)")
+    verdict, _ = judge(lower(plan), plan, stepping=of_table(LineTable.ROTATE), strict_order=False)
+    assert not verdict.ok
+
+
 def test_cuts_in_another_order():
     plan = part_with_hole()
     other = replace(plan, cuts=plan.cuts[::-1])

@@ -13,6 +13,8 @@ import numpy as np
 from wedmcam.geom import pairs
 from wedmcam.geom.segments import Floats, Segments, boxes, distances, points_at, position_of
 
+#: How much longer than the gap beside it a contour is, at least, that lies beside another.
+LONG = 20.0
 #: Places along each segment that are held against another contour, as shares of its length.
 SHARES = (0.0, 0.25, 0.5, 0.75)
 
@@ -75,8 +77,10 @@ def _foot(s: Segments, x: Floats, y: Floats) -> tuple[Floats, Floats]:
 def beside(a: Segments, b: Segments, within_um: float) -> tuple[float, float]:
     """Return for what share of either of two contours the other is at most so far away, um.
 
-    And how far at most, of what is within. Asked at four places a segment.
+    And how far at most, of what is within. Asked at four places a segment. What is short is beside
+    everything that is near, so ``within_um`` is at most one `LONG`-th of the shorter one.
     """
+    within_um = min(within_um, float(min(a.length.sum(), b.length.sum())) / LONG)
     one, far = _share(a, b, within_um)
     other, farther = _share(b, a, within_um)
     return min(one, other), max(far, farther)

@@ -173,23 +173,36 @@ def _twice(
             continue
         one, other = np.flatnonzero(placed.owner == a), np.flatnonzero(placed.owner == b)
         share, far = beside(s.take(one), s.take(other), TWICE_UM)
-        if share < MOST:
+        if share < MOST or not all(_closes(placed, rows) for rows in (one, other)):
             continue
         twice.add((a, b))
         first, second = _two(placed, sources, int(one[0]), int(other[0]))
         x, y = float(s.x0[one[0]]), float(s.y0[one[0]])
+        text = (
+            f"two contours run beside each other, up to {mm(far)} mm apart, and meet {times} "
+            f"times: the outline at {place(x, y)} mm seems drawn twice"
+        )
         found.append(
             error(
                 "drawn-twice",
-                f"two contours run beside each other, up to {mm(far)} mm apart, and meet {times} "
-                f"times: the outline at {place(x, y)} seems drawn twice",
+                text,
                 first,
                 notes=(("the other one", second),),
                 hint="remove one of the two",
                 points_mm=((x / 1e3, y / 1e3),),
             )
         )
+    if len(found) > LISTED:
+        more = len(found) - LISTED
+        text = f"{more} further pairs of contours seem to be one that is drawn twice"
+        found = [*found[:LISTED], error("drawn-twice", text, count=more)]
     return twice, found
+
+
+def _closes(placed: Placed, rows: Ints) -> bool:
+    """Return whether the rows of a contour go round: it has an inside, so it may be an outline."""
+    ends = placed.nodes[rows[rows < len(placed.nodes)]]
+    return bool((np.unique(ends, return_counts=True)[1] % 2 == 0).all())
 
 
 def _shares_end(s: Segments, i: Ints, j: Ints) -> Bools:

@@ -1,8 +1,10 @@
 """The kill rate: forgeries of golden programs, and what the judge makes of each.
 
 Every forgery beyond 2 um has to be refused and its block named; those with the same steps have to
-pass. Run: python benchmarks/bench_forgeries.py [--every 7] [--json] [PROGRAM ...]. Exit status 1 if
-one got through.
+pass. Forged leads: none may pass in strict order or with a certificate, and without one none that
+enters what is kept, meets another cut or ends where it may not. Run: python
+benchmarks/bench_forgeries.py [--every 7] [--leads] [--json] [PROGRAM ...]. Exit status 1 if one got
+through.
 """
 
 import argparse
@@ -14,9 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "judge"))
 
 import forgeries
+import lead_forgeries
 
 
 def rates(programs, every):
@@ -35,6 +39,37 @@ def rates(programs, every):
             if (reach == "far" and not (o.refused and o.named)) or (reach == "same" and o.refused):
                 missed.append([name, mutant.sort, mutant.row, o.apart_um, sorted(o.codes)])
     return counts, missed
+
+
+def of_leads(every):
+    """Return {case: counts} of forged leads, and those that got through."""
+    counts, missed = {}, []
+    for name in lead_forgeries.CASES:
+        made = lead_forgeries.compiled(name)
+        c = counts.setdefault(name, Counter())
+        for f in list(lead_forgeries.forged(made))[::every]:
+            ours = lead_forgeries.strict(made, f.program)
+            ours |= lead_forgeries.passes(made, f.program, True)
+            other = lead_forgeries.passes(made, f.program, False)
+            c["forged"] += 1
+            c["passed, ours"] += ours
+            c["wrong for all"] += f.refused
+            c["passed, wrong for all"] += other and f.refused
+            c["passed, other leads"] += other and not f.refused
+            if ours or (other and f.refused):
+                missed.append([name, f.name])
+    return counts, missed
+
+
+def lead_table(counts):
+    """Yield the lines of a Markdown table."""
+    columns = ("forged", "passed, ours", "wrong for all", "passed, wrong for all")
+    columns += ("passed, other leads",)
+    yield "| leads of | " + " | ".join(columns) + " |"
+    yield "|---" * (len(columns) + 1) + "|"
+    total = sum(counts.values(), Counter())
+    for name, c in [*counts.items(), ("**all**", total)]:
+        yield f"| {name} | " + " | ".join(str(c[k]) for k in columns) + " |"
 
 
 def table(counts):
@@ -60,7 +95,14 @@ def main():
     parser.add_argument("programs", nargs="*", default=list(forgeries.PROGRAMS))
     parser.add_argument("--every", type=int, default=7, help="forge every so many blocks")
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--leads", action="store_true", help="forge leads only, all of them")
     asked = parser.parse_args()
+    if asked.leads:
+        counts, missed = of_leads(1)
+        print(json.dumps(counts, indent=1) if asked.json else "\n".join(lead_table(counts)))
+        for one in missed:
+            print("GOT THROUGH", one)
+        sys.exit(bool(missed))
     counts, missed = rates(asked.programs or list(forgeries.PROGRAMS), asked.every)
     if asked.json:
         print(json.dumps({"counts": counts, "missed": missed}, indent=1))

@@ -444,7 +444,8 @@ def verify(
         shown: the program is only to be drawn: what it leaves open is assumed, with a warning.
         **mm: instead of ``options``, its fields in mm.
 
-    What is proven is the part: another order, other leads, are notes.
+    What is proven is the part: another order, other leads, are notes. A program with a certificate
+    is one of ours: order and leads are to be the plan's.
     """
     data, name = bytes_of(program, name)
     if profile is None and certificate is not None and certificate.get("profile"):
@@ -478,7 +479,8 @@ def verify(
         if against is not None:
             if drawn is None or plan is None:
                 drawn, plan = _asked_plan(drawing, drawing_name, options, target, run)
-            decoded, verdict = _judged(decoded, plan, target, options, run, origin_mm)
+            ours = certificate is not None
+            decoded, verdict = _judged(decoded, plan, target, options, run, origin_mm, ours)
             if certificate is not None and _same(certificate, "output", data):
                 run.add("certificate", _check_figures(certificate, verdict, drawing))
         else:
@@ -658,13 +660,19 @@ def _judged(
     options: Options,
     run: Run,
     origin_mm: tuple[float, float] | None,
+    ours: bool,
 ) -> tuple[Program, Verdict]:
-    """Judge at the stated origin; else at the plan's; else where the program fits best."""
+    """Judge at the stated origin; else at the plan's; else where the program fits best.
+
+    ``ours``: it is said to be a program of this plan, so that order and leads are the plan's too.
+    """
     from wedmcam.judge.fit import fit
     from wedmcam.judge.unit import in_steps
 
-    def at(program: Program, strict: bool = False) -> tuple[Verdict, list[Diagnostic]]:
-        return pipeline.judged(program, plan, target, options, strict_order=strict)
+    def at(
+        program: Program, strict: bool = ours, fitted: bool = False
+    ) -> tuple[Verdict, list[Diagnostic]]:
+        return pipeline.judged(program, plan, target, options, strict_order=strict, fitted=fitted)
 
     unfit: list[Diagnostic] = []
     if origin_mm is not None:
@@ -675,15 +683,17 @@ def _judged(
     else:
         placed = replace(decoded, origin=in_steps(plan, decoded.step_um).cuts[0].thread)
         verdict, found = at(placed)
-        if not verdict.ok:
+        if not verdict.ok and not ours:
             fitted, notes = fit(decoded, plan, stepping=target.machine.stepping)
             if fitted is None:
                 unfit = notes
             else:
-                better, more = at(fitted)
-                if better.ok or better.max_deviation_um < verdict.max_deviation_um:
+                better, more = at(fitted, fitted=fitted.origin != placed.origin)
+                more_cuts = len(better.cuts) > len(verdict.cuts)
+                nearer = better.max_deviation_um < verdict.max_deviation_um
+                if better.ok or more_cuts or nearer:
                     placed, verdict, found = fitted, better, [*notes, *more]
-    if not verdict.ok and len(verdict.cuts) < len(plan.cuts):
+    if not ours and not verdict.ok and len(verdict.cuts) < len(plan.cuts):
         # A contour that lies nowhere says little. Followed in the plan's order, the first block
         # that leaves it does, if the program is one of this plan at all.
         strict, named = at(placed, strict=True)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from wedmcam.ir.program import Kind
 from wedmcam.programs.places import block_ends
-from wedmcam.transforms.plan.wording import offsets_text
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation
@@ -44,7 +43,7 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
         ("program's SHA-256", made.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
-        ("offset, side", f"{offsets_text(made.plan)}, {v.side}"),
+        ("offset, side", f"{made.plan.offsets_text}, {v.side}"),
         *((f"offset {d}, to be entered", um) for d, um in entered),
         ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm".format(
             *(e / 1000 for e in v.extents_um))),
@@ -52,12 +51,12 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
                   f"{'-' if v.gouge_um is None else f'{v.gouge_um:.2f} um'}, closure "
                   f"{'-' if v.closure_um is None else f'{v.closure_um:.0f} um'}"),
     ]  # fmt: skip
-    holes, plan = [], made.plan
+    holes, own = [], [cut.offset_um for cut in made.plan.cuts]
     for n, cut in enumerate(v.cuts, 1):
         tx, ty = _start(made, cut.first_block - 1)
         holes.append(
             (f"T{n}", *(f"{c / 1000:.3f}" for c in (tx, ty, tx - x0, ty - y0)),
-             f"{cut.first_block} to {cut.last_block}", f"{plan.cuts[n - 1].offset_um / 1000:.3f}",
+             f"{cut.first_block} to {cut.last_block}", f"{own[n - 1] / 1000:.3f}",
              f"{cut.length_mm:.3f}",
              _time(cut.length_mm, feed_um).strip(" ()"))
         )  # fmt: skip

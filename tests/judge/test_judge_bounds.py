@@ -37,7 +37,7 @@ def tracked(plan, program, table):
     way = walk(program, of_table(table))
     assigned, _ = assign(program, runs(way), plan.cuts)
     cuts = [plan.cuts[a.cut] for a in assigned]
-    route = plan_route(cuts, [False] * len(cuts))
+    route = plan_route(cuts)
     index = np.concatenate([a.index for a in assigned])
     t = _follow(way, route, assigned)
     done = ~np.isnan(t.high)

@@ -35,7 +35,7 @@ def test_figures_are_those_of_the_step_loop(table, monkeypatch):
     monkeypatch.setattr("wedmcam.judge.figures.PIECE", 3)
     for plan in (part_with_hole(), skew_plan(2.2, 900.0)):
         program = replace(lower(plan, table), origin=(0, 0))
-        f, found = figures(program, table, LIMITS)
+        f, found = figures(program, of_table(table), LIMITS)
         box, total, turns, end = by_steps(program, table)
         assert not found
         assert f["extents_um"] == box

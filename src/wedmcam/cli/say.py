@@ -138,8 +138,6 @@ def say_figures(proof: Proof) -> None:
 
 def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
     """Print what was made, in a few lines; ``verbose``: and a line a contour."""
-    from wedmcam.transforms.plan.wording import offsets_text
-
     v, drawn = made.verdict, made.drawn
     if v is None or drawn is None:
         return
@@ -148,7 +146,7 @@ def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
     s = made.summary
     for line in (
         f"{s['input']}  {info.units} ({info.units_from})  {_size(drawn)}",
-        f"contours   {v.contours} cut, offset {offsets_text(made.plan)}, side {v.side}",
+        f"contours   {v.contours} cut, offset {made.plan.offsets_text}, side {v.side}",
         f"program    {output}  {v.blocks} blocks, path {v.path_mm:.3f} mm, {v.steps} steps, "
         f"profile {made.machine.name}",
         proof_line(made),

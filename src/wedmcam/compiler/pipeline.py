@@ -114,6 +114,7 @@ def judged(
     options: Options,
     *,
     strict_order: bool = True,
+    fitted: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """A program is run on its controller and measured; see `judge.judge`."""
     from wedmcam.judge.judge import judge
@@ -127,4 +128,5 @@ def judged(
         count="textbook" if textbook else "exact",
         strict_order=strict_order,
         trimmed=options.trim,
+        fitted=fitted,
     )

@@ -171,7 +171,7 @@ def arithmetic(options: Options) -> Arithmetic:
 
 
 def where_the_wire_goes(drawn: Drawn, options: Options, run: Run) -> Plan:
-    """Return where the wire goes: sides, compensation, leads, order."""
+    """Return the plan: sides, compensation, leads, order."""
     from wedmcam.transforms.plan.planner import plan_cuts
 
     run.add("nest", drawn.held)

@@ -290,6 +290,18 @@ CODES: dict[str, Code] = {
         "The material between them has no width at that place.",
         "Check that it is meant.",
     ),
+    "drawn-twice": Code(
+        "Two contours run beside each other, some um apart, for most of their length.",
+        "Mostly an outline was traced, or exported twice. Where the two do not cross, the inner "
+        "one is taken for a hole, and the part is cut into a frame as thin as that.",
+        "Remove one of the two. With a wall below 4 um, or where they cross, it is an error; else "
+        "a warning.",
+    ),
+    "thin-wall": Code(
+        "The material between two contours is too thin to be left standing.",
+        "The path is proven within 2 um on either side of a wall, so one below 4 um is none.",
+        "Draw the wall thicker, or remove the contour that is not meant.",
+    ),
     "open-contour": Code(
         "A contour that does not close.",
         "A part cannot be kept inside or outside of an open line.",
@@ -808,8 +820,10 @@ CODES: dict[str, Code] = {
     ),
     "thread-point": Code(
         "A cut does not start, or end, exactly at its thread point.",
-        "The wire would be threaded beside the start hole.",
-        "Check where the program starts in the drawing, and the moves between cuts.",
+        "The wire would be threaded beside the start hole, or the program ends elsewhere than it "
+        "should.",
+        "Check where the program starts in the drawing, its last blocks, and the moves between "
+        "cuts.",
     ),
     "missing-cut": Code(
         "A contour of the plan is not in the program.",
@@ -820,6 +834,12 @@ CODES: dict[str, Code] = {
         "The program cuts something that the plan does not ask for.",
         "The wire cuts where nothing is to be cut.",
         "Compile again; look for records that were pasted twice.",
+    ),
+    "cut-twice": Code(
+        "A cut is run once more than the plan asks for.",
+        "The wire runs through a kerf that is there already, and the piece may be loose by then. A "
+        "second pass may be meant; a program that was compiled here has none.",
+        "Check that it is meant; else compile again, and look for blocks that were pasted twice.",
     ),
     "stop-point": Code(
         "The pause before the end of a contour is missing, is too many, or is at another place.",

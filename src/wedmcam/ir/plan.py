@@ -148,6 +148,12 @@ class Plan:
         return max((o for scene in self.scenes for o in scene.offsets), default=0.0)
 
     @property
+    def offsets_text(self) -> str:
+        """The offsets of the cuts for people, mm: one, or each that occurs."""
+        each = sorted({cut.offset_um for cut in self.cuts})
+        return ", ".join(f"{um / 1000:.3f}" for um in each) + " mm"
+
+    @property
     def side(self) -> Side:
         """The side of all contours; of several sides what is kept, PART where that is both."""
         sides = {side for scene in self.scenes for side in scene.sides}

@@ -15,7 +15,7 @@ from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
-from wedmcam.judge.match import Piece, path_box, pieces
+from wedmcam.judge.match import Piece, lies_on, path_box, pieces
 from wedmcam.judge.route import of_contours
 from wedmcam.judge.runs import mm, per_mm
 from wedmcam.judge.segments import Floats, nearest
@@ -118,13 +118,12 @@ def _refine(
     """Return the mean square distance and the whole-um translation at which it is least."""
     paths, _ = of_contours([c.path for c in plan.cuts])
     xs, ys = [], []
+    shifted, every_cut = np.array(boxes) - np.array([*shift, *shift]), np.arange(len(boxes))
     for piece in held:
-        if (
-            np.abs(np.array(boxes) - (piece.box + np.array([*shift, *shift]))).max(axis=1).min()
-            > LOST
-        ):
+        lying, k = lies_on(way, piece, plan.cuts, shifted, every_cut)
+        if k < 0:
             continue
-        x, y, _ = way.points(piece.index[piece.first : piece.last])
+        x, y, _ = way.points(lying.index[lying.first : lying.last])
         every = max(1, len(x) * len(held) // SAMPLES)
         xs.append(x[::every])
         ys.append(y[::every])

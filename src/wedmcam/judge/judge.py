@@ -3,6 +3,21 @@
 It did not make the program and shares no geometry with what made it. What is proven is in
 ``deviation`` (the wire's way is the planned route, run once, in order, in its sense) and in
 ``material`` (the wire stays out of what is kept and reaches all of the outline it can reach).
+
+What is proven of leads. In strict order (what was compiled here, and what has a certificate): each
+is the plan's within the limit of the path, starts or ends exactly at the plan's thread point, goes
+back over an overcut in its kerf, and the program ends where the plan does. Otherwise (a program
+from elsewhere) leads are its own, and
+
+- they enter no kept material and meet no other cut (``material``, ``leads``);
+- each closed cut returns to where it was threaded, to the step; an open one ends with its path, or
+  does likewise. Where it is known at which place the program starts, the plan's thread point will
+  do as well. Where that was fitted it will not, and an open cut, which returns nowhere, has to be
+  threaded where the plan says: else a wrong first lead-in would go unseen, because the fit lays the
+  contour in its place and the error on the start.
+
+Where a cut is run twice the second pass is proven like the first; that is a warning, and in strict
+order an error.
 """
 
 from __future__ import annotations
@@ -19,6 +34,7 @@ from wedmcam.ir.plan import Cut, Material, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.deviation import SLOP, measure
+from wedmcam.judge.leads import hits
 from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
 from wedmcam.judge.route import Route, plan_route
 from wedmcam.judge.runs import Assigned, assign, mm, per_mm, runs, span_of
@@ -49,6 +65,7 @@ def judge(
     gouge_limit_um: float = 1.6,
     strict_order: bool = True,
     trimmed: bool = False,
+    fitted: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge a decoded program.
 
@@ -66,6 +83,7 @@ def judge(
         gouge_limit_um: largest depth of the wire in the kept material, likewise.
         strict_order: False proves the part only: order, sense, start and leads may differ from the
             plan's and are notes.
+        fitted: where the program starts is not known, but was fitted.
         trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
             missing are warnings then.
 
@@ -75,7 +93,7 @@ def judge(
     way = walk(program, stepping, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps)
     plan = in_steps(plan, program.step_um)
-    case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order)
+    case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order, fitted)
     verdict, found = case.judge(way, count)
     verdict = told_in_um(verdict, program.step_um)
     findings.extend(found)
@@ -101,6 +119,10 @@ def judge(
     return verdict._replace(ok=not has_errors(findings)), findings
 
 
+#: How far an open cut may end from the end of its path, um: that is rounded, and an arc may end one
+#: off.
+OPEN_END = 1.5
+
 #: A block ends on a vertex up to the first, um along the route; up to the second it was meant for
 #: it, if no other block ends there.
 SLIP, SLIPPED = 1.5, 1000.0
@@ -115,6 +137,7 @@ class _Case(NamedTuple):
     gouge_limit_um: float
     trimmed: bool
     strict_order: bool
+    fitted: bool
 
     @property
     def per(self) -> float:
@@ -130,8 +153,7 @@ class _Case(NamedTuple):
             backwards = [False] * len(cuts)
             route = None
             if cuts:
-                retrace = [_retraces(way, a, c) for a, c in zip(assigned, cuts, strict=True)]
-                route = plan_route(cuts, retrace)
+                route = plan_route(cuts)
         else:
             from wedmcam.judge.match import match
 
@@ -178,6 +200,13 @@ class _Case(NamedTuple):
             closure, found = self._ends(way, a, cuts[k], route, t, mine, k, count)
             closures.append(closure)
             findings.extend(found)
+        findings.extend(self._leads(route, [a.cut for a in assigned]))
+        if self.strict_order:
+            findings.extend(self._end(way, cuts[-1]))
+            if has_errors(findings):
+                from wedmcam.judge.match import repeated
+
+                findings.extend(repeated(way, self.program, self.plan))
 
         gouge, uncut = None, None
         for (material, own), beside in zip(held, materials, strict=True):
@@ -239,7 +268,7 @@ class _Case(NamedTuple):
                 lead_deviation_um=max((r.lead_deviation_um for r in rows), default=0.0),
                 gouge_um=gouge,
                 uncut_um=uncut,
-                contours=len(assigned),
+                contours=len({a.cut for a in assigned}),
                 extents_um=_extents(m.extents, way.end[index]),
                 cuts=rows,
                 make_table=cache(table),
@@ -381,20 +410,16 @@ class _Case(NamedTuple):
                     "missing-piece",
                     way,
                     last,
-                    f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end",
+                    f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end"
+                    + _nowhere(way, last),
                 )
             )
-        elif self.strict_order and route.closed[k] and np.hypot(*(end - cut.thread)) > limit:
-            tx, ty = cut.thread
-            findings.append(
-                self._block_error(
-                    "thread-point",
-                    way,
-                    last,
-                    f"does not return to the thread point {mm(tx, ty, self.per)} mm of "
-                    f"cut {a.cut + 1}",
-                )
-            )
+        elif wrong := self._wrong_end(way, a, cut, end, limit):
+            if tuple(end.tolist()) != cut.thread:
+                wrong += _nowhere(way, last)
+            findings.append(self._block_error("thread-point", way, last, wrong))
+        if self.fitted and not cut.path.closed:
+            findings.extend(self._loose_start(way, a, cut))
         if self.strict_order:
             findings.extend(self._pauses(way, a, cut, route, high, k))
         if not route.closed[k]:
@@ -438,6 +463,72 @@ class _Case(NamedTuple):
                 )
             )
         return closure, findings
+
+    def _wrong_end(self, way: Walk, a: Assigned, cut: Cut, end: Ints, limit: float) -> str:
+        """Return what is wrong with the place at which a cut ends; empty where nothing is."""
+
+        def off(x: float, y: float) -> float:
+            return float(np.hypot(end[0] - x, end[1] - y))
+
+        threaded = way.start[int(a.index[0])]
+        place = cut.thread if self.strict_order else threaded
+        where = mm(float(place[0]), float(place[1]), self.per)
+        back = f"does not return to the thread point {where} mm of cut {a.cut + 1}"
+        if cut.path.closed:
+            there = off(*cut.thread) <= limit
+            if not self.strict_order:
+                there = off(*threaded) <= limit or (there and not self.fitted)
+            return "" if there else back
+        v = cut.path.vertices[[-1]] if self.strict_order else cut.path.vertices[[0, -1]]
+        apart = min(off(x, y) for x, y in zip(v["x"].tolist(), v["y"].tolist(), strict=True))
+        if apart <= OPEN_END or (not self.strict_order and off(*threaded) <= limit):
+            return ""
+        return f"ends {apart / self.per:.3f} mm from the end of the path of cut {a.cut + 1}"
+
+    def _loose_start(self, way: Walk, a: Assigned, cut: Cut) -> list[Diagnostic]:
+        """Report an open cut that is threaded elsewhere, where nothing else ties its start."""
+        (x, y), (tx, ty) = way.start[int(a.index[0])].tolist(), cut.thread
+        if (x, y) == (tx, ty):
+            return []
+        return [
+            error(
+                "thread-point",
+                f"cut {a.cut + 1} is open and threaded at {mm(x, y, self.per)} mm, not at "
+                f"{mm(tx, ty, self.per)} mm, and it is not known where the program starts",
+                span_of(self.program, int(a.index[0])),
+                hint="state --origin",
+                points_mm=((x / self.per, y / self.per),),
+            )
+        ]
+
+    def _leads(self, route: Route, numbers: Sequence[int]) -> list[Diagnostic]:
+        """Report the first place at which leads of a cut meet another cut."""
+        return [
+            error(
+                "lead-hits",
+                f"a lead of cut {a + 1} meets cut {b + 1} at {mm(x, y, self.per)} mm",
+                points_mm=((x / self.per, y / self.per),),
+                hint="a lead may run in scrap only, and meet no other cut",
+            )
+            for a, b, x, y in hits(route, np.array(numbers))
+        ]
+
+    def _end(self, way: Walk, cut: Cut) -> list[Diagnostic]:
+        """Report a last move that leads away from where the plan ends."""
+        moves = np.flatnonzero(way.blocks["kind"] == Kind.MOVE)
+        if not len(moves) or moves[-1] < _last(way):
+            return []
+        row = int(moves[-1])
+        if (way.end[row] == way.end[_last(way)]).all():
+            return []
+        return [
+            self._block_error(
+                "thread-point",
+                way,
+                row,
+                "moves on behind the last cut: the program does not end where the plan ends",
+            )
+        ]
 
     def _pauses(
         self, way: Walk, a: Assigned, cut: Cut, route: Route, high: Floats, k: int
@@ -550,6 +641,16 @@ class _Case(NamedTuple):
         return c.uncut_um
 
 
+def _last(way: Walk) -> int:
+    """Return the row of the last block that cuts."""
+    return int(np.flatnonzero(way.cutting & (way.steps > 0))[-1])
+
+
+def _nowhere(way: Walk, row: int) -> str:
+    """Return what it means that a block ends at a wrong place, if it is the last."""
+    return ": the program does not end where the plan ends" if row == _last(way) else ""
+
+
 def _slip(route: Route, t: Track, low: int, high: int, index: Ints, per: float) -> str:
     """Return words on the first of blocks low to high - 1 that ends beside the vertex it is for.
 
@@ -573,16 +674,6 @@ def _slip(route: Route, t: Track, low: int, high: int, index: Ints, per: float) 
     how = "past" if missed[slips[0]] > 0 else "short of"
     far = abs(float(missed[slips[0]])) / per
     return f"; block {int(index[low + slips[0]]) + 1} already ends {far:.3f} mm {how} its vertex"
-
-
-def _retraces(way: Walk, a: Assigned, cut: Cut) -> bool:
-    """Return whether the last block leaves from the start of the path, not from the overcut."""
-    if cut.overcut_um <= 0 or not cut.path.closed:
-        return False
-    start = way.start[int(a.index[-1])]
-    v = cut.path.vertices[0]
-    on_thread = np.hypot(cut.thread[0] - v["x"], cut.thread[1] - v["y"]) <= 1.0  # no lead at all
-    return bool(on_thread or np.hypot(start[0] - v["x"], start[1] - v["y"]) <= LOST)
 
 
 def _follow(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:

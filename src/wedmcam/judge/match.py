@@ -1,18 +1,22 @@
 """Whose contour is it: programs with an order, a sense, a start or leads of their own.
 
-An old program cuts the same part its own way. Each closed piece of it is matched with a planned
-wire path by where it lies; the path is turned and begun as the program has it, and what the program
-does before and after is taken as its leads, whose only duty is to stay out of the kept material.
+An old program cuts the same part its own way. Each piece of it is matched with a planned wire path
+by where it lies; the path is turned and begun as the program has it, and what the program does
+before and after is taken as its leads. Their duties (`judge`, `leads`) are to stay out of the kept
+material and off other cuts, and to end where they may. A contour that is run again is a second
+pass: it has to follow the planned path like the first.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error, note
+from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.route import Route, assemble
@@ -35,6 +39,9 @@ from wedmcam.judge.walk import Walk
 #: A loop of the program and a planned path whose boxes differ by more are not the same, um.
 SAME_BOX = LOST
 
+#: A contour begins within so many blocks of a piece, and ends at one of so many returns.
+EARLY = 6
+
 #: Ends on a machine that recomputes them miss each other by up to this, um.
 RECOMPUTED = 2.0
 
@@ -51,6 +58,8 @@ class Piece(NamedTuple):
         pauses: positions in ``index`` after which the machine pauses.
         first: position of the first block of the contour.
         last: one past the last.
+        turns: one past the last of each further whole turn, directly behind the contour.
+        again: how often the contour is run once more, these turns included.
         closed: the contour ends where it starts, within `LOST`.
         box: of the contour's places, x low, y low, x high, y high.
         area: signed, um^2; > 0 counter-clockwise.
@@ -60,9 +69,16 @@ class Piece(NamedTuple):
     pauses: tuple[int, ...]
     first: int
     last: int
+    turns: tuple[int, ...]
+    again: int
     closed: bool
     box: Floats
     area: float
+
+    @property
+    def out(self) -> int:
+        """Position of the first block of the way out."""
+        return (self.last, *self.turns)[-1]
 
 
 def pieces(way: Walk) -> list[Piece]:
@@ -95,6 +111,8 @@ def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
     def meet(i: int, j: int) -> bool:
         return float(np.hypot(*(ends[i] - ends[j]).astype(float))) <= room
 
+    if not meet(first, last) and np.hypot(*(ends[0] - ends[-1]).astype(float)) <= LOST:
+        room = LOST  # it was to return; that it does not is found later
     if meet(first, last):
         while (
             last - first > 2
@@ -111,18 +129,76 @@ def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
     else:
         # No way back to the thread point: the longest closed stretch that begins early.
         best = (0, 0, len(index))
-        for a in range(min(6, len(index))):
+        for a in range(min(EARLY, len(index))):
             off = np.hypot(*(ends[a + 1 :] - ends[a]).T)
             near = np.flatnonzero(off <= LOST)
             if len(near) and int(near[-1]) + 1 > best[0]:
                 best = (int(near[-1]) + 1, a, a + 1 + int(near[-1]))
         first, last = best[1], best[2]
+    return _cut_out(way, index, pauses, first, last)
+
+
+def _cut_out(way: Walk, index: Ints, pauses: tuple[int, ...], first: int, last: int) -> Piece:
+    """Return blocks of which ``first`` to ``last`` are the contour."""
+    ends = np.concatenate([way.start[index[:1]], way.end[index]])
+    room = RECOMPUTED if way.textbook else 0.0
+
+    def meet(i: int, j: int) -> bool:
+        return float(np.hypot(*(ends[i] - ends[j]).astype(float))) <= room
+
     closed = bool(np.hypot(*(ends[last] - ends[first]).astype(float)) <= LOST)
-    x, y, _ = way.points(index[first:last])
+    box, area = _measured(way, index[first:last])
+    turns: list[int] = []
+    again, here = 0, last
+    returns = [p for p in range(last + 1, len(index) + 1) if meet(first, p)] if closed else []
+    for p in returns:
+        other, size = _measured(way, index[here:p])
+        if np.abs(other - box).max() <= SAME_BOX and abs(size) > 0.5 * abs(area) > 0:
+            again += 1
+            if here == (last, *turns)[-1]:
+                turns.append(p)
+        here = p
+    return Piece(index, pauses, first, last, tuple(turns), again, closed, box, area)
+
+
+def _others(way: Walk, piece: Piece) -> Iterator[Piece]:
+    """Yield other closed stretches of a piece that begin early: ways in and out may differ."""
+    index = piece.index
+    ends = np.concatenate([way.start[index[:1]], way.end[index]]).astype(float)
+    room = RECOMPUTED if way.textbook else 0.0
+    for first in range(min(EARLY, len(index))):
+        off = np.hypot(*(ends[first + 1 :] - ends[first]).T)
+        for back in np.flatnonzero(off <= room)[:EARLY].tolist():
+            if (first, first + 1 + back) != (piece.first, piece.last):
+                yield _cut_out(way, index, piece.pauses, first, first + 1 + back)
+
+
+def _measured(way: Walk, index: Ints) -> tuple[Floats, float]:
+    """Return the box of the places of blocks, and the signed area that they go round, um^2."""
+    x, y, _ = way.points(index)
     u, v = x - x[0], y - y[0]
     area = float(np.dot(u, np.roll(v, -1)) - np.dot(np.roll(u, -1), v)) / 2.0
-    box = np.array([x.min(), y.min(), x.max(), y.max()])
-    return Piece(index, pauses, first, last, closed, box, area)
+    return np.array([x.min(), y.min(), x.max(), y.max()]), area
+
+
+def _along(way: Walk, piece: Piece, cut: Cut) -> Piece | None:
+    """Return an open piece with the blocks of an open path as its contour; None where it has none.
+
+    Such a contour runs from the block end nearest to one end of the path to the one nearest to the
+    other.
+    """
+    if piece.closed or cut.path.closed:
+        return None
+    ends = np.concatenate([way.start[piece.index[:1]], way.end[piece.index]]).astype(float)
+    v = cut.path.vertices[[0, -1]]
+    off = np.hypot(ends[:, :1] - v["x"], ends[:, 1:] - v["y"])
+    first, last = sorted(int(k) for k in off.argmin(axis=0))
+    if first == last or off.min(axis=0).max() > LOST:
+        return None
+    box, area = _measured(way, piece.index[first:last])
+    start = ends[first]  # places begin behind the first step
+    box = np.concatenate([np.minimum(box[:2], start), np.maximum(box[2:], start)])
+    return piece._replace(first=first, last=last, turns=(), box=box, area=area)
 
 
 def _retraced(way: Walk, there: int, back: int) -> bool:
@@ -155,31 +231,38 @@ def match(
     Returns:
         The blocks of each cut in the program's order, the cuts, the route as the program takes it,
         whether each runs against the plan's sense, and findings: an error for each cut that is
-        missing and each piece that is none; notes for what is other than planned.
+        missing and each piece that is none, a warning for each that is run again, notes for what
+        is other than planned.
     """
     per = per_mm(program)
     findings: list[Diagnostic] = []
-    wanted = [path_box(c) for c in plan.cuts]
-    free = set(range(len(plan.cuts)))
+    runs_of: Counter[int] = Counter()
     assigned: list[Assigned] = []
     backwards: list[bool] = []
     parts: list[tuple[Segments, int, int]] = []
-    for piece in pieces(way):
-        order = sorted(free, key=lambda k: (float(np.abs(wanted[k] - piece.box).max()), k))
-        if not order or np.abs(wanted[order[0]] - piece.box).max() > SAME_BOX:
+    for piece, k in paired(way, plan):
+        if k < 0:
             findings.append(_stranger(way, program, piece))
             continue
-        k = order[0]
-        free.remove(k)
+        more = piece.again + bool(runs_of[k])
+        runs_of[k] += piece.again + 1
+        if more:
+            findings.append(_again(way, program, piece, k, runs_of[k], warning))
         path, back = _as_run(way, piece, plan.cuts[k])
         number = len(assigned)
         parts.append((_own(way, piece.index[: piece.first]), int(Role.LEAD_IN), number))
         parts.append((path, int(Role.CONTOUR), number))
-        parts.append((_own(way, piece.index[piece.last :]), int(Role.LEAD_OUT), number))
+        here = piece.last
+        for turn in piece.turns:
+            _, area = _measured(way, piece.index[here:turn])
+            same = (area > 0) == (piece.area > 0)
+            parts.append((path if same else reverse(path), int(Role.OVERCUT), number))
+            here = turn
+        parts.append((_own(way, piece.index[piece.out :]), int(Role.LEAD_OUT), number))
         assigned.append(Assigned(k, piece.index, piece.pauses))
         backwards.append(back)
-    for k in sorted(free):
-        x, y = wanted[k][:2]
+    for k in sorted(set(range(len(plan.cuts))) - set(runs_of)):
+        x, y = path_box(plan.cuts[k])[:2]
         findings.append(
             error(
                 "missing-cut",
@@ -190,9 +273,9 @@ def match(
     if not assigned:
         return [], [], None, [], findings
     cuts = [plan.cuts[a.cut] for a in assigned]
-    order_ = [a.cut for a in assigned]
-    if order_ != sorted(order_):
-        said = ", ".join(str(k + 1) for k in order_)
+    order = list(dict.fromkeys(a.cut for a in assigned))
+    if order != sorted(order):
+        said = ", ".join(str(k + 1) for k in order)
         findings.append(note("other-order", f"the program cuts the contours in the order {said}"))
     for a, back in zip(assigned, backwards, strict=True):
         if back:
@@ -220,6 +303,81 @@ def match(
     closed = np.array([c.path.closed for c in cuts])
     thread = way.start[[int(a.index[0]) for a in assigned]]
     return assigned, cuts, assemble(held, role, cut_of, closed, thread), backwards, findings
+
+
+def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
+    """Return the pieces of a program, each with the number (from 0) of its cut; -1 for none.
+
+    A piece that lies where no cut is left, but one was, is that cut once more.
+    """
+    wanted = np.array([path_box(c) for c in plan.cuts]).reshape(-1, 4)
+    free = np.ones(len(wanted), bool)
+    out = []
+    for piece in pieces(way):
+        for left in (free, ~free):
+            held, k = lies_on(way, piece, plan.cuts, wanted, np.flatnonzero(left))
+            if k >= 0:
+                free[k] = False
+                break
+        out.append((held, k))
+    return out
+
+
+def lies_on(
+    way: Walk, piece: Piece, cuts: Sequence[Cut], wanted: Floats, numbers: Ints
+) -> tuple[Piece, int]:
+    """Return a piece as a run of one of the cuts ``numbers``, and which; -1 for none of them."""
+    for k in numbers.tolist() if not piece.closed else ():
+        held = _along(way, piece, cuts[k])
+        if held is not None and np.abs(wanted[k] - held.box).max() <= SAME_BOX:
+            return held, k
+    best, least = (piece, -1), np.inf
+    for held in itertools.chain((piece,), _others(way, piece)) if len(numbers) else ():
+        off = np.abs(wanted[numbers] - held.box).max(axis=1)
+        k = int(numbers[int(off.argmin())])
+        if off.min() > SAME_BOX:
+            continue
+        # Leads within the box of a contour are told from it by what it goes round.
+        path = of_contour(cuts[k].path)
+        apart = abs(abs(held.area) - abs(path_area(path)))
+        if apart < least:
+            best, least = (held, k), apart
+        if apart <= RECOMPUTED * float(path.length.sum()) or not held.closed:
+            break
+    return best
+
+
+def repeated(way: Walk, program: Program, plan: Plan) -> list[Diagnostic]:
+    """Return an error for each cut of the plan that a program runs again."""
+    runs_of: Counter[int] = Counter()
+    findings = []
+    for piece, k in paired(way, plan):
+        more = piece.again + bool(runs_of[k])
+        runs_of[k] += piece.again + 1
+        if k >= 0 and more:
+            findings.append(_again(way, program, piece, k, runs_of[k], error))
+    return findings
+
+
+def _again(
+    way: Walk,
+    program: Program,
+    piece: Piece,
+    k: int,
+    times: int,
+    say: Callable[..., Diagnostic],
+) -> Diagnostic:
+    per = per_mm(program)
+    first = int(piece.index[piece.last if piece.again else piece.first])
+    last = int(piece.index[piece.out - 1 if piece.turns or not piece.again else -1])
+    x, y = way.start[first]
+    blocks = f"blocks {first + 1} to {last + 1} run" if last > first else f"block {first + 1} runs"
+    return say(
+        "cut-twice",
+        f"cut {k + 1} is run {'twice' if times == 2 else f'{times} times'}: {blocks} it again",
+        span_of(program, first),
+        points_mm=((float(x) / per, float(y) / per),),
+    )
 
 
 def _stranger(way: Walk, program: Program, piece: Piece) -> Diagnostic:

@@ -1,8 +1,9 @@
 """Routes: the plan as one line from thread point to thread point, measured along itself.
 
-A cut is: in from the thread point, once round the wire path, past its start where an overcut is
-asked for, and out again. Every place on all routes has one number, its progress in um; cuts are
-`GAP` um apart, so that progress grows through the whole program and never belongs to two cuts.
+A cut is: in from the thread point, once round the wire path, past its start and back where an
+overcut is asked for, and out again. Every place on all routes has one number, its progress in um;
+cuts are `GAP` um apart, so that progress grows through the whole program and never belongs to two
+cuts.
 """
 
 from __future__ import annotations
@@ -92,11 +93,11 @@ def of_contours(contours: Sequence[Contour]) -> tuple[Segments, Ints]:
     return (made, which) if some.all() else (made.take(some), which[some])
 
 
-def plan_route(cuts: Sequence[Cut], retrace: Sequence[bool] = ()) -> Route:
+def plan_route(cuts: Sequence[Cut]) -> Route:
     """Return the route that the plan asks for.
 
-    An open path has no way out. After an overcut the wire leaves straight for the thread point,
-    or, where ``retrace`` says so, goes back over the overcut and leaves by the way in.
+    An open path has no way out. After an overcut the wire goes back over it and leaves by the way
+    in: the only way that certainly cuts nothing.
     """
     path, which = of_contours([c.path for c in cuts])
     thread = np.array([c.thread for c in cuts], np.int64).reshape(len(cuts), 2)
@@ -105,24 +106,18 @@ def plan_route(cuts: Sequence[Cut], retrace: Sequence[bool] = ()) -> Route:
     x0, y0 = path.ax[begin], path.ay[begin]
     tx, ty = thread[:, 0].astype(float), thread[:, 1].astype(float)
     zero = np.zeros(len(cuts))
-    outs_x, outs_y = x0.copy(), y0.copy()
     extra, extra_cut, extra_role, extra_order = [], [], [], []
     for c, cut in enumerate(cuts):
         if not (cut.overcut_um > 0 and cut.path.closed):
             continue
         over = overcut(of_contour(cut.path), cut.overcut_um)
-        pieces = [(over, Role.OVERCUT, 2)]
-        if c < len(retrace) and retrace[c]:
-            pieces.append((reverse(over), Role.LEAD_OUT, 3))
-        else:
-            outs_x[c], outs_y[c] = over.bx[-1], over.by[-1]
-        for piece, role, order in pieces:
+        for piece, role, order in ((over, Role.OVERCUT, 2), (reverse(over), Role.LEAD_OUT, 3)):
             extra.append(piece)
             extra_cut.append(np.full(len(piece), c))
             extra_role.append(np.full(len(piece), int(role)))
             extra_order.append(np.full(len(piece), order))
     lead_in = segments(tx, ty, x0, y0, zero, zero, zero)
-    lead_out = segments(outs_x, outs_y, tx, ty, zero, zero, zero).take(closed)
+    lead_out = segments(x0, y0, tx, ty, zero, zero, zero).take(closed)
     number = np.arange(len(cuts))
     held = join([lead_in, path, lead_out, *extra])
     cut_of = np.concatenate([number, which, number[closed], *extra_cut]).astype(np.int64)

@@ -8,6 +8,7 @@ crossing elsewhere as well.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Span, error, warning
 from wedmcam.geom import crossings
+from wedmcam.geom.gaps import beside
 from wedmcam.geom.pairs import grown, self_overlapping
 from wedmcam.geom.segments import (
     TAU,
@@ -29,6 +31,7 @@ from wedmcam.geom.segments import (
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import SEGMENT
 from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of, steady
+from wedmcam.transforms.walls import MOST, TWICE_UM
 
 Rows = NDArray[np.void]
 Bools = NDArray[np.bool_]
@@ -41,6 +44,9 @@ ON_TOP_UM = 1.0
 ALONG_UM = 1.0
 #: How far from a vertex to look at which side a contour leaves it, um.
 STEP_UM = 50.0
+#: Contours that meet at fewer places than this are not one that is drawn twice, if they do not
+#: cross at two at least.
+SEVERAL = 4
 #: Of findings of one kind this many are listed; a summary stands for the rest.
 LISTED = 20
 
@@ -117,7 +123,7 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
     plain &= np.abs(bend) * np.minimum(s.length[i], s.length[j]) > ON_TOP_UM
     i, j = i[~plain], j[~plain]
     over, at_x, at_y, along = _on_top(s, i, j)
-    found = _overlaps(placed, sources, i[over], j[over], at_x[over], at_y[over], along[over])
+    on_top = i[over], j[over], at_x[over], at_y[over], along[over]
     i, j = i[~over], j[~over]
     hits = crossings.between(s, i, j)
     owned = (placed.owner[hits.i] >= 0) & (placed.owner[hits.j] >= 0)
@@ -131,10 +137,59 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
     cross[through] = True
     touch[through] = False
     pairs = placed.owner[hits.i], placed.owner[hits.j]
-    found += _crossings(placed, sources, hits, cross, pairs)
+    owners = [placed.owner[k] for k in on_top[:2]]
+    over_pairs, pairs_of_hits = _sorted_pairs(*owners), _sorted_pairs(*pairs)
+    crossing = [pairs_of_hits[k] for k in np.flatnonzero(cross).tolist()]
+    twice, found = _twice(placed, sources, s, over_pairs, crossing)
+    once = np.array([p not in twice for p in over_pairs], bool)
+    found += _overlaps(placed, sources, *(v[once] for v in on_top))
+    of_twice = np.array([p in twice for p in pairs_of_hits], bool)
+    found += _crossings(placed, sources, hits, cross & ~of_twice, pairs)
     crossed = set(zip(*(np.sort(np.stack(pairs), axis=0)[:, cross]).tolist(), strict=True))
     found += _touches(placed, sources, s, hits, touch, pairs, crossed)
     return tuple(found)
+
+
+def _sorted_pairs(a: Ints, b: Ints) -> list[tuple[int, int]]:
+    return list(zip(np.minimum(a, b).tolist(), np.maximum(a, b).tolist(), strict=True))
+
+
+def _twice(
+    placed: Placed,
+    sources: tuple[Span, ...],
+    s: Segments,
+    over: Sequence[tuple[int, int]],
+    crossing: Sequence[tuple[int, int]],
+) -> tuple[set[tuple[int, int]], list[Diagnostic]]:
+    """Return the pairs of contours that are one drawn twice, with an error for each.
+
+    They cross, or run on top of each other, several times, and lie beside each other for most of
+    their length.
+    """
+    crosses, meets = Counter(crossing), Counter([*over, *crossing])
+    twice, found = set(), []
+    for (a, b), times in sorted(meets.items()):
+        if not 0 <= a < b or (times < SEVERAL and crosses[a, b] < 2):
+            continue
+        one, other = np.flatnonzero(placed.owner == a), np.flatnonzero(placed.owner == b)
+        share, far = beside(s.take(one), s.take(other), TWICE_UM)
+        if share < MOST:
+            continue
+        twice.add((a, b))
+        first, second = _two(placed, sources, int(one[0]), int(other[0]))
+        x, y = float(s.x0[one[0]]), float(s.y0[one[0]])
+        found.append(
+            error(
+                "drawn-twice",
+                f"two contours run beside each other, up to {mm(far)} mm apart, and meet {times} "
+                f"times: the outline at {place(x, y)} seems drawn twice",
+                first,
+                notes=(("the other one", second),),
+                hint="remove one of the two",
+                points_mm=((x / 1e3, y / 1e3),),
+            )
+        )
+    return twice, found
 
 
 def _shares_end(s: Segments, i: Ints, j: Ints) -> Bools:

@@ -32,6 +32,8 @@ TIE_UM = 1e-3
 #: A thread point that nobody stated is at least this share of its lead away from every path: the
 #: lead lies along no wall. In a corner its lead halves the angle: one below 29 degrees is refused.
 CLEAR = 0.25
+#: A lead that is so near to its own path has arrived, um: what it meets there lies in one kerf.
+ARRIVES_UM = 10.0
 #: How often a lead is halved that would end too near to another wall.
 HALVED = 8
 
@@ -445,14 +447,30 @@ def collisions(
     return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded))
 
 
+def across(threaded: Sequence[Threaded], cure: str) -> list[Diagnostic]:
+    """Return an error for each lead that meets the path of another cut, of whatever part.
+
+    Two cuts may run along one path (a second pass), so where a lead arrives it meets both.
+    """
+    paths = [PlannedPath(one.path, one.path, None, 0.0) for one in threaded]
+    return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded), True)
+
+
 def _collisions(
-    scene: _Scene, threaded: Sequence[Threaded], spans: dict[int, Span | None], cures: Sequence[str]
+    scene: _Scene,
+    threaded: Sequence[Threaded],
+    spans: dict[int, Span | None],
+    cures: Sequence[str],
+    shared: bool = False,
 ) -> list[Diagnostic]:
-    """Return an error, with its cure, for each lead that meets a path before it arrives."""
+    """Return an error, with its cure, for each lead that meets a path before it arrives.
+
+    ``shared``: others may have the path that it arrives at.
+    """
     lines = _leads_as_lines(threaded)
     line, path, at = scene.hits(lines)
     # Its own path it meets where it arrives.
-    margin = np.where(line == path, 2.0, -1.0)
+    margin = np.where(line == path, 2.0, ARRIVES_UM if shared else -1.0)
     early = (at < lines.length[line] - margin) & (lines.length[line] >= 2.0)
     order = np.lexsort((at[early], line[early]))
     found: list[tuple[int, Diagnostic]] = []

@@ -8,8 +8,10 @@ from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, has_errors
 from wedmcam.ir.plan import Cut, Plan, Scene
 from wedmcam.options import Options
+from wedmcam.transforms import walls
 from wedmcam.transforms.plan.cuts import cuts_of
 from wedmcam.transforms.plan.idle import Used, of_path
+from wedmcam.transforms.plan.leads import Threaded, across
 from wedmcam.transforms.plan.paths import planned_paths
 from wedmcam.transforms.plan.pieces import Piece, pieces_of
 from wedmcam.transforms.plan.scenes import scenes_of
@@ -41,6 +43,14 @@ def plan_cuts(
     found += problems
     if has_errors(found):
         return None, found
+    numbered = [(number, piece) for number, scene in enumerate(scenes) for piece in scene.pieces]
+    found += walls.thin(
+        [piece.contour for _, piece in numbered],
+        [piece.outside for _, piece in numbered],
+        [number for number, _ in numbered],
+    )
+    if has_errors(found):
+        return None, found
     cuts: list[tuple[int, Cut]] = []
     planned: list[Scene] = []
     first = 0
@@ -54,6 +64,8 @@ def plan_cuts(
         some, problems = cuts_of(scene, planned[-1], number, paths, asked, options, used, words)
         cuts += some
         found += problems
+    if len(scenes) > 1 and not has_errors(found):
+        found += across([Threaded(c.path, c.thread) for _, c in cuts], words.thread_point)
     if has_errors(found):
         return None, found
     if not cuts:

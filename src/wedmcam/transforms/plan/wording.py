@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from wedmcam.ir.plan import Plan
-
 _ON_LINE = "the wire runs on the line, without an offset"
 _ENTERED = "every contour is entered from a thread point or from the centre of its circle"
 _OPEN = "it is for closed contours, and all are open"
@@ -80,8 +78,3 @@ OF_PART = Wording(
     },
     stated=frozenset({"offset_um", "corner_um", "lead_um", "stop_um", "overcut_um"}),
 )
-
-
-def offsets_text(plan: Plan) -> str:
-    """Return the offsets of all cuts for people: one, or each that occurs."""
-    return ", ".join(f"{um / 1000:.3f}" for um in sorted({c.offset_um for c in plan.cuts})) + " mm"

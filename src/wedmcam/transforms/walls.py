@@ -1,0 +1,158 @@
+"""Walls that no wire leaves standing: two contours some um apart, mostly one drawn twice.
+
+An outline that was traced, or exported in two versions, lies beside itself by some um. Where the
+two do not cross the inner one is read as a hole of the outer one, and the part would be the frame
+between them. The wire's path is proven within 2 um on either side of such a wall (`judge`), so of
+less than twice that nothing can be said to be left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, Severity, error, warning
+from wedmcam.geom import measure, pairs
+from wedmcam.geom.gaps import beside, gaps
+from wedmcam.geom.segments import Floats, Ints, Segments, boxes
+from wedmcam.ir.contour import Contour
+from wedmcam.transforms.doubles import mm, place, steady
+
+#: Kept material thinner than this is no wall, um: the path is proven within 2 um on either side.
+WALL_UM = 4.0
+#: Up to this, um, contours touch: that is found where contours are made (`meetings`).
+TOUCH_UM = 0.01
+#: Contours that run beside each other, up to `TWICE_UM` apart, for at least this share of either
+#: one are one that is drawn twice.
+MOST = 0.5
+#: What was traced or exported twice is seldom farther apart, um (ours: no source has it).
+TWICE_UM = 20.0
+#: Of findings of one kind this many are listed; a summary stands for the rest.
+LISTED = 20
+
+
+def thin(
+    contours: Sequence[Contour],
+    keeps: Sequence[bool | None],
+    parts: Sequence[int] | None = None,
+) -> list[Diagnostic]:
+    """Return a finding for each pair of contours with next to nothing between them.
+
+    Less than `WALL_UM` of kept material is an error. Contours that run beside each other, at most
+    `TWICE_UM` apart, for most of their length are a warning: seldom is that meant, be it a frame
+    as thin as that, or the same place cut twice (on the line, or as a slot).
+
+    Args:
+        contours: lines and arcs, um.
+        keeps: for each, whether the material inside of it is kept (True) or that around it; None
+            for a contour on the line and for an open one.
+        parts: numbers of the parts that they belong to; None where all make one. Contours of two
+            parts have no material between them.
+
+    Equal contours are meant: only a part program has them, and cuts them in two passes or as punch
+    and die.
+    """
+    if len(contours) < 2:
+        return []
+    s, first = measure.segments_of_all([(c.vertices, c.closed) for c in contours])
+    owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
+    found = []
+    for (a, b), i, j in _pairs(s, owner, first):
+        g = gaps(s.take(i), s.take(j))
+        near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
+        if not len(near):
+            continue  # equal, or not near at all
+        k = near[np.lexsort((steady(g.x[near]), steady(g.y[near]), steady(g.size[near])))[0]]
+        x, y, size = (float(v[k]) for v in (g.x, g.y, g.size))
+        touch = bool((g.size <= TOUCH_UM).any())
+        one = parts is None or parts[a] == parts[b]
+        wall = one and size < WALL_UM and all(_keeps(contours[c], keeps[c], x, y) for c in (a, b))
+        within = WALL_UM if wall and not touch else TWICE_UM
+        share = beside(s.take(owner == a), s.take(owner == b), within)[0]
+        if share >= MOST or (wall and not touch):
+            found.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
+    found.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
+    listed = [f[2] for f in found[:LISTED]]
+    if len(found) > LISTED:
+        more = len(found) - LISTED
+        say = error if any(f[2].severity is Severity.ERROR for f in found[LISTED:]) else warning
+        listed.append(say("thin-wall", f"{more} further pairs of contours like these", count=more))
+    return listed
+
+
+def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:
+    """Yield pairs of contours that may be drawn twice or have a thin wall, and their segments.
+
+    A thin wall may be anywhere: all segments are asked. What is drawn twice has one box.
+    """
+    around = boxes(s)
+    extents = [np.minimum.reduceat(v, first) for v in around[:2]]
+    extents += [np.maximum.reduceat(v, first) for v in around[2:]]
+    last = np.append(first[1:], len(owner))
+    done = set()
+    for a, b in _alike(extents):
+        one, two = np.arange(first[a], last[a]), np.arange(first[b], last[b])
+        i, j = pairs.overlapping(pairs.grown(boxes(s.take(one)), TWICE_UM), boxes(s.take(two)))
+        done.add((a, b))
+        yield (a, b), one[i], two[j]
+    i, j = pairs.self_overlapping(pairs.grown(around, 0.5 * WALL_UM))
+    other = owner[i] != owner[j]
+    i, j = i[other], j[other]
+    low, high = np.minimum(owner[i], owner[j]), np.maximum(owner[i], owner[j])
+    order = np.lexsort((high, low))
+    new = (np.diff(low[order], prepend=-1) != 0) | (np.diff(high[order], prepend=-1) != 0)
+    for group in np.split(order, np.flatnonzero(new)[1:]) if len(order) else ():
+        pair = int(low[group[0]]), int(high[group[0]])
+        if pair not in done:
+            yield pair, i[group], j[group]
+
+
+def _alike(extents: Sequence[Floats]) -> list[tuple[int, int]]:
+    """Return the pairs a < b of boxes that differ by at most `TWICE_UM` on each side."""
+    half = 0.5 * TWICE_UM
+    x, y = extents[0], extents[1]
+    a, b = pairs.self_overlapping((x - half, y - half, x + half, y + half))
+    for high in extents[2:]:
+        same = np.abs(high[a] - high[b]) <= TWICE_UM
+        a, b = a[same], b[same]
+    return list(zip(a.tolist(), b.tolist(), strict=True))
+
+
+def _finding(
+    a: Contour, b: Contour, wall: bool, share: float, size: float, at: tuple[float, float]
+) -> Diagnostic:
+    """Return what is to be said of two contours with a gap of ``size`` um at a place, um."""
+    x, y = at
+    spans = sorted((a.source_of(0), b.source_of(0)), key=str)
+    what = f"the contours with low corners at {_corner(a)} and {_corner(b)} mm"
+    thick = f"{size / 1000:.4f} mm ({size:.1f} um)"
+    code, text, hint = (
+        (
+            "drawn-twice",
+            f"{what} run {thick} apart, nearest at {place(x, y)} mm: the outline seems drawn twice"
+            + (f" (a wall below {mm(WALL_UM)} mm cannot be proven)" if wall else ""),
+            "remove one of the two",
+        )
+        if share >= MOST
+        else (
+            "thin-wall",
+            f"the wall between {what} is {thick} thick at {place(x, y)} mm",
+            f"below {mm(WALL_UM)} mm it cannot be proven that a wall is left: draw it thicker",
+        )
+    )
+    say = error if wall else warning
+    notes = (("the other one", spans[1]),)
+    return say(code, text, spans[0], notes=notes, hint=hint, points_mm=((x / 1e3, y / 1e3),))
+
+
+def _keeps(contour: Contour, inside: bool | None, x: float, y: float) -> bool:
+    """Return whether a contour keeps the material at a place."""
+    if inside is None or not contour.closed:
+        return False
+    return bool(measure.contains(contour.vertices, np.array([x]), np.array([y]))[0]) == inside
+
+
+def _corner(contour: Contour) -> str:
+    """Return the low corner of a contour, which names it in a message before cuts have numbers."""
+    return place(*measure.extents(contour.vertices, contour.closed)[:2])

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
 from wedmcam.machines import default
-from wedmcam.offsets import decode
+from wedmcam.targets.g41 import decode
 
 ISO = st.text("GXYIJRMNDF0123456789+-. \n();/%", max_size=120).map(str.encode)
 B3 = st.text("BGXYLSNRDE0123456789 \n;", max_size=120).map(str.encode)

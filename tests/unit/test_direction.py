@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from wedmcam.controller import trace
 
 from wedmcam import api
-from wedmcam.ir.program import Kind, LineTable
+from wedmcam.ir.program import Kind
 from wedmcam.options import Options
 
 PLATE = "contour plate { from (0, 0) line to (30, 0) line to (30, 20) line to (0, 20) close }\n"
@@ -32,7 +31,7 @@ def ways(made: api.Compilation) -> str:
     """Return + for each contour that is stepped counter-clockwise, - for the others."""
     assert made.program is not None
     blocks = made.program.blocks
-    at, first = trace(blocks, LineTable(made.machine.table))
+    at, first = made.machine.stepping.trace(blocks)
     ends = [*first.tolist(), len(at) - 1]
     moves = np.flatnonzero(blocks["kind"] == Kind.MOVE).tolist()
     out = ""

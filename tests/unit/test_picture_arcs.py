@@ -12,10 +12,8 @@ import pytest
 import shapely
 from hypothesis import example, given
 from hypothesis import strategies as st
-from wedmcam.controller import trace
 
 from wedmcam import api
-from wedmcam.ir.program import LineTable
 
 
 def sampled(path: str, spacing: float) -> np.ndarray:
@@ -77,7 +75,7 @@ def counted(x: int, y: int, turn: int, axis: str, degrees: float) -> int:
     radius = math.hypot(x, y)
     long, machine, _ = api.read_program(program(x, y, turn, axis, int(12 * radius)), name="a.3b")
     assert long is not None
-    at, _ = trace(long.blocks, LineTable(machine.table))
+    at, _ = machine.stepping.trace(long.blocks)
     angle = np.unwrap(np.arctan2(at[:, 1] + y, at[:, 0] + x)) * turn
     last = int(np.searchsorted(angle - angle[0], math.radians(degrees)))
     return int(np.abs(np.diff(at[: last + 1, 0 if axis == "X" else 1])).sum())
@@ -87,7 +85,7 @@ def assert_whole(data: bytes) -> None:
     """Assert that picture, figures and drawing of an arc are where it is stepped."""
     proof = api.verify(data, name="a.3b")
     assert proof.program is not None
-    at, _ = trace(proof.program.blocks, LineTable(proof.machine.table))
+    at, _ = proof.machine.stepping.trace(proof.program.blocks)
     if len(at) < 20:
         return
     svg = api.plot(proof, "a")

@@ -278,6 +278,30 @@ def machine_issued(certificate: dict[str, Any]) -> Machine:
     return machine
 
 
+def starts_of(machine: Machine) -> dict[str, Any]:
+    """Return what a certificate says of a machine beside its own, where starts are placed."""
+    found: dict[str, Any] = {"starts_of": machine.name}
+    if not _is_builtin(machine):
+        from wedmcam.machines.printed import as_toml
+
+        found["starts_of_toml"] = as_toml(machine)
+    return found
+
+
+def _targets(machine: Machine, certificate: dict[str, Any] | None) -> list[Target]:
+    """Return the targets that a plan was made for: the machine's, and one whose starts it has."""
+    targets = [target_of(machine)]
+    name = (certificate or {}).get("starts_of")
+    if name is not None and not targets[0].moves_starts:
+        other = {"profile": name, "profile_toml": (certificate or {}).get("starts_of_toml")}
+        targets.append(target_of(machine_issued(other)))
+    return targets
+
+
+def _is_builtin(machine: Machine) -> bool:
+    return machine.name in machines.names() and machine == machines.builtin(machine.name)
+
+
 def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:
     """Return what is said of a program beside its text; keywords as in `options.READING`.
 
@@ -371,7 +395,7 @@ def _summary(
     result["arithmetic"] = options.arithmetic
     step = machine.axes.step_um
     result["step_um"] = int(step) if step == int(step) else step
-    if machine.name not in machines.names() or machine != machines.builtin(machine.name):
+    if not _is_builtin(machine):
         from wedmcam.machines.printed import as_toml
 
         # The file may be gone or changed when the program is proven again.
@@ -455,7 +479,8 @@ def verify(
         options = options_in_mm(**mm)
     dialect = _dialect(options.reading, profile is not None, shown)
     run = Run(options.strict)
-    target = target_of(machine)
+    targets = _targets(machine, certificate)
+    target = targets[0]
     decoded: Program | None = None
     plan: Plan | None = None
     verdict: Verdict | None = None
@@ -465,7 +490,7 @@ def verify(
     stage = ""
     try:
         if against is not None and target.takes_gap:  # the plan says by how much
-            drawn, plan = _asked_plan(drawing, drawing_name, options, target, run)
+            drawn, plan = _asked_plan(drawing, drawing_name, options, targets, run)
         entries = replace(target.entered(options, plan), dialect=dialect)
         decoded = run("decode", target.read(data, name, entries))
         kind = sources.source_format(drawing, drawing_name, options) if drawn else None
@@ -478,7 +503,7 @@ def verify(
                 origin_mm = (x / 1000, y / 1000)
         if against is not None:
             if drawn is None or plan is None:
-                drawn, plan = _asked_plan(drawing, drawing_name, options, target, run)
+                drawn, plan = _asked_plan(drawing, drawing_name, options, targets, run)
             ours = certificate is not None
             decoded, verdict = _judged(decoded, plan, target, options, run, origin_mm, ours)
             if certificate is not None and _same(certificate, "output", data):
@@ -540,11 +565,11 @@ def read_program(
 
 
 def _asked_plan(
-    drawing: bytes, name: str, options: Options, target: Target, run: Run
+    drawing: bytes, name: str, options: Options, targets: Sequence[Target], run: Run
 ) -> tuple[Drawn, Plan]:
-    """Return what was drawn, and the part of its plan that is asked for."""
-    drawn, plan = pipeline.planned(drawing, name, options, [target], run)
-    return drawn, portion(plan, target, options, run)
+    """Return what was drawn, and the part of its plan that is asked for of the first target."""
+    drawn, plan = pipeline.planned(drawing, name, options, targets, run)
+    return drawn, portion(plan, targets[0], options, run)
 
 
 def _no_gap(

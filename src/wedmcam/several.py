@@ -89,6 +89,9 @@ def compile_several(
     refused = api.planned_for(data, name, options, machines, run)
     for machine, output in zip(shared(machines), names, strict=True):
         one = api.compile_plan(data, name, machine, options, run.forked(), output, refused)
+        for other in machines:  # whose starts the plan has: whoever verifies plans with them again
+            if not machine.is_of(other.format) and target_of(other).moves_starts:
+                one.summary.update(api.starts_of(other))
         made.append(one)
         if not one.ok:
             return Several(tuple(made), (), ())

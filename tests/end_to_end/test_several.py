@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from test_cli_programs import run, status
 
-from wedmcam import conversion
+from wedmcam import api, conversion
 from wedmcam.frontends import DECODERS
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
@@ -136,5 +136,15 @@ def test_an_outline_in_g41_goes_with_the_path_in_3b(name, profile):
     assert both.ok, [d.message for d in both.findings]
     threads = [[c.thread for c in one.plan.cuts] for one in both.made]
     assert threads[0] == threads[1]
+    for one in both.made:  # the certificate of each says whose starts the plan has
+        proof = api.verify(
+            one.data,
+            against=ROOT / "samples" / f"{name}.dxf",
+            against_name=one.summary["input"],
+            certificate=one.summary,
+            options=Options.from_data(one.summary["options"]),
+            name="a.3b" if one is both.made[0] else "a.nc",
+        )
+        assert proof.ok, [d.message for d in proof.findings]
     proofs = sum(one.verdict.max_deviation_um for one in both.made)
     assert max(both.apart_um) <= max(1.0, proofs)

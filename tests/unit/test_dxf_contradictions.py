@@ -413,3 +413,38 @@ def test_many_with_other_figures_are_one_finding():
     entities = [f"0 CIRCLE 8 0 10 0 20 0 40 5 40 {k}" for k in range(6, 60)]
     (finding,) = [d for d in read(bare(*entities), "part.dxf")[1] if d.code == "stated-twice"]
     assert finding.message.startswith("54 CIRCLE with group 40 twice: 5 and 6 in the first (line")
+
+
+@pytest.mark.parametrize("binary", [False, True])
+@pytest.mark.parametrize(
+    ("entity", "missing"),
+    [
+        ("0 CIRCLE 8 0 10 0 20 0", "40"),
+        ("0 CIRCLE 8 0 40 5", "10 and 20"),
+        ("0 ARC 8 0 10 0 20 0 40 5 50 0", "51"),
+        ("0 LINE 8 0 10 1 20 1", "11 and 21"),
+        ("0 ELLIPSE 8 0 10 0 20 0 11 5 21 0 41 0 42 3", "40"),
+        ("0 ELLIPSE 8 0 10 0 20 0 11 5 21 0 40 0.5 41 0", "42"),
+    ],
+)
+def test_a_value_that_an_entity_cannot_be_without(entity, missing, binary):
+    data = bare(entity, OUTLINE).replace(b"AC1009", b"AC1015")
+    _, found = read(as_binary(data) if binary else data, "part.dxf")
+    (one,) = [d for d in found if d.code == "not-stated"]
+    assert one.severity is Severity.ERROR
+    assert f"without group {missing}:" in one.message
+
+
+def test_defaults_of_the_format_stay():
+    ellipse = "0 ELLIPSE 8 0 10 20 20 10 30 0 11 5 21 0 31 0 40 0.5"
+    data = bare(ellipse, OUTLINE).replace(b"AC1009", b"AC1015")
+    assert "not-stated" not in codes(read(data, "part.dxf")[1])
+
+
+def test_a_vertex_of_no_spline_is_no_control_point():
+    points = "".join(
+        f"0 VERTEX 8 0 10 {x} 20 {y} 70 {flag} "
+        for x, y, flag in ((0, 0, 0), (9, 0, 16), (9, 9, 0), (0, 9, 0))
+    )
+    sketch, _ = got(bare(f"0 POLYLINE 8 0 66 1 70 1 {points} 0 SEQEND 8 0"))
+    assert len(sketch.segments) == 4

@@ -140,3 +140,17 @@ def test_open_contours_of_one_figure_that_run_the_other_way_are_one_warning():
     asked, _ = cut_of_drawing(figure, nest(figure), (), options)
     _, found = plan_cuts(asked, options, FLOAT64, OF_DRAWING)
     assert [(d.code, d.count) for d in found] == [("idle-option", 2)]
+
+
+PASSES = """
+contour c { from (0, 0) line to (20, 0) line to (20, 10) line to (0, 10) close }
+cut c outside offset 0.2 start (-1, 5)
+cut c outside offset 0.1 start (-1, 5)
+"""
+
+
+def test_a_finishing_pass_crosses_the_path_of_the_rough_one():
+    compilation = api.compile(PASSES.encode(), name="passes.wed")
+    assert compilation.ok, [d.message for d in compilation.findings]
+    against = {"against": PASSES.encode(), "against_name": "passes.wed", "name": "a.3b"}
+    assert api.verify(compilation.data, certificate=compilation.summary, **against).ok

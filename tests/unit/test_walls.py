@@ -229,3 +229,18 @@ def test_leads_of_a_part_program_keep_off_cuts_of_other_parts():
 
     assert refused("(16, 0)") == set()
     assert refused("(-8, 0)") == {"lead-hits"}
+
+
+@pytest.mark.parametrize("sides", [72, 360])
+def test_an_outline_and_its_polygon_are_one_drawn_twice(sides):
+    import math
+
+    def draw(doc, space):
+        space.add_circle((0, 0), 5)
+        turns = [2 * math.pi * k / sides for k in range(sides)]
+        points = [(5 * math.cos(a), 5 * math.sin(a)) for a in turns]
+        space.add_lwpolyline(points, close=True)
+
+    compilation = api.compile(drawing(draw), offset=0.1)
+    assert not compilation.ok
+    assert "drawn-twice" in {d.code for d in compilation.findings}

@@ -188,6 +188,11 @@ CODES: dict[str, Code] = {
         "A note where both are the same.",
         "Export the drawing again, or remove one of them at the line named.",
     ),
+    "not-stated": Code(
+        "An entity lacks a value that it cannot be without: a circle its radius, a line its end.",
+        "Readers take a default, such as a radius of 1; what would be cut was never drawn.",
+        "Export the drawing again, or write the group at the line named.",
+    ),
     "stated-count": Code(
         "An entity states another number of vertices, knots or points than it has.",
         "A part of it was lost, or another entity was mixed in; CAD programs refuse such a file.",

@@ -17,6 +17,8 @@ Bools = NDArray[np.bool_]
 
 _COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
 _BRACKETS = re.compile(rb"\([^)\n]*\)?")
+#: Letters of coordinates.
+_PLACES = np.frombuffer(b"XYIJRUVZ", dtype=np.uint8)
 #: Digits of a number that are read; more do not fit 64 bits.
 DIGITS = 12
 
@@ -112,10 +114,16 @@ def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
     skipped = line_of[slash & opens]
     stray = at[loose & ~(slash & opens)]
     last = at[past - 1] if len(first) else np.zeros(0, np.int64)
+    letter, start, end = c[first], at[first], last + 1
+    # X1.5E-3 may be an exponent, or a condition behind a coordinate: no number to move by.
+    power = np.zeros(len(first), bool)
+    power[:-1] = (letter[1:] == ord("E")) & (start[1:] == end[:-1]) & np.isin(letter[:-1], _PLACES)
+    good &= ~power
+    end[power] = end[1:][power[:-1]]
     return Words(
-        letter=c[first],
-        start=at[first],
-        end=last + 1,
+        letter=letter,
+        start=start,
+        end=end,
         line=line_of[first],
         whole=np.where(minus, -whole, whole),
         decimals=decimals,

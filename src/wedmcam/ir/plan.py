@@ -8,9 +8,15 @@ a `Scene`: they bound one kept material. Frames: drawing coordinates in um.
 from __future__ import annotations
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from wedmcam.ir.contour import Contour
+
+#: Outlines whose corners differ by less than this on every side are one outline, um.
+SAME_BOX_UM = 2.0
 
 
 class Side(enum.StrEnum):
@@ -63,6 +69,30 @@ class Cut:
     side: Side = Side.ON
     offset_um: float = 0.0
     scene: int = 0
+
+
+def outline_numbers(cuts: Sequence[Cut]) -> list[int]:
+    """Return for each cut a number that it shares with the cuts of the same outline.
+
+    Rough and finishing passes run beside one outline: a lead may cross the paths of both, in what
+    falls away. Cuts whose outline nobody drew are each of their own.
+    """
+    numbers: list[int] = []
+    known: list[tuple[int, tuple[float, ...]]] = []
+    for k, cut in enumerate(cuts):
+        number = k
+        if cut.outline is not None:
+            v = cut.outline.vertices
+            box = (*(float(f(v[n])) for n in ("x", "y") for f in (np.min, np.max)), float(len(v)))
+            same = (
+                n
+                for n, b in known
+                if max(abs(p - q) for p, q in zip(b, box, strict=True)) < SAME_BOX_UM
+            )
+            number = next(same, k)
+            known.append((number, box))
+        numbers.append(number)
+    return numbers
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,7 +30,7 @@ import numpy as np
 
 from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
-from wedmcam.ir.plan import Cut, Material, Plan
+from wedmcam.ir.plan import Cut, Material, Plan, outline_numbers
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.deviation import SLOP, measure
@@ -510,7 +510,9 @@ class _Case(NamedTuple):
                 points_mm=((x / self.per, y / self.per),),
                 hint="a lead may run in scrap only, and meet no other cut",
             )
-            for a, b, x, y in hits(route, np.array(numbers))
+            for a, b, x, y in hits(
+                route, np.array(numbers), np.array(outline_numbers(self.plan.cuts))
+            )
         ]
 
     def _end(self, way: Walk, cut: Cut) -> list[Diagnostic]:

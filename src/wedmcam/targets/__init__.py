@@ -45,6 +45,11 @@ class Target(Protocol):
         ...
 
     @property
+    def moves_starts(self) -> bool:
+        """Whether `place_starts` may move them: programs of the same plan then start there too."""
+        ...
+
+    @property
     def takes_gap(self) -> bool:
         """Whether a program is an outline for which the operator enters one gap and its side."""
         ...

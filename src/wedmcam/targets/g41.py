@@ -77,6 +77,7 @@ class Offsetting(Iso):
     """A controller that offsets outlines by itself: G41, G42 and D numbers."""
 
     makes_path = True
+    moves_starts = True
     needs_lead = "G41 and G42 are taken up on a lead, and there is none in the kerf"
 
     @property

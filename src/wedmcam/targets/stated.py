@@ -43,6 +43,7 @@ class Stated:
 
     is_text: ClassVar[bool] = True
     makes_path: ClassVar[bool] = False
+    moves_starts: ClassVar[bool] = False
     takes_gap: ClassVar[bool] = False
     needs_lead: ClassVar[str] = ""
     square: ClassVar[bool] = False

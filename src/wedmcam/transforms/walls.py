@@ -61,12 +61,21 @@ def thin(
     for (a, b), i, j in _pairs(s, owner, first):
         g = gaps(s.take(i), s.take(j))
         near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
+        one = parts is None or parts[a] == parts[b]
         if not len(near):
-            continue  # equal, or not near at all
+            # Equal, or not near at all; or a polygon whose corners lie on the other outline.
+            share, far = beside(s.take(owner == a), s.take(owner == b), TWICE_UM)
+            if share >= MOST and far > TOUCH_UM:
+                k = int(np.argmin(g.size))
+                wall = one and keeps[a] is not None and keeps[b] is not None
+                at = float(g.x[k]), float(g.y[k])
+                found.append(
+                    (at[1], at[0], _finding(contours[a], contours[b], wall, share, far, at))
+                )
+            continue
         k = near[np.lexsort((steady(g.x[near]), steady(g.y[near]), steady(g.size[near])))[0]]
         x, y, size = (float(v[k]) for v in (g.x, g.y, g.size))
         touch = bool((g.size <= TOUCH_UM).any())
-        one = parts is None or parts[a] == parts[b]
         wall = one and size < WALL_UM and all(_keeps(contours[c], keeps[c], x, y) for c in (a, b))
         within = WALL_UM if wall and not touch else TWICE_UM
         share = beside(s.take(owner == a), s.take(owner == b), within)[0]

@@ -37,6 +37,17 @@ SINGLE = {
     "SPLINE": (70, 71, 72, 73, 74),
     "BLOCK": (2, 10, 20, 30),
 }
+#: What an entity cannot be without: a reader would take a default, and cut a circle of radius 1.
+NEEDED = {
+    "LINE": (10, 20, 11, 21),
+    "CIRCLE": (10, 20, 40),
+    "ARC": (10, 20, 40, 50, 51),
+    "ELLIPSE": (10, 20, 11, 21, 40),
+    "POINT": (10, 20),
+    "INSERT": (2,),
+}
+#: What stands there together or not at all: an ellipse without both is a whole one.
+TOGETHER = {"ELLIPSE": (41, 42)}
 #: Likewise, what may stand once behind each point (a code of `POINTS`) of a list of points.
 AT_POINT = {"LWPOLYLINE": (20, 40, 41, 42, 91), "SPLINE": (20, 30, 21, 31, 22, 32, 23, 33)}
 POINTS = (10, 11, 12, 13)
@@ -88,11 +99,11 @@ class _Fact:
 
 
 def contradictions(tags: Tags, reading: Reading) -> list[Diagnostic]:
-    """Return the findings about what a file says twice, or counts otherwise than it is."""
+    """Return the findings about what a file says twice, leaves out, or counts otherwise."""
     look = _Look(tags, reading)
     found = [*_sections(tags), *_variables(tags, reading), *_layers(tags), *_blocks(look)]
     groups: dict[tuple[str, str, str, Callable[..., Diagnostic]], list[_Fact]] = {}
-    for fact in (*_repeats(look), *_counts(look)):
+    for fact in (*_repeats(look), *_missing(look), *_counts(look)):
         groups.setdefault((fact.code, fact.subject, fact.what, fact.say), []).append(fact)
     hint = "export the drawing again, or correct the line named"
     for (code, subject, what, say), facts in groups.items():
@@ -354,6 +365,35 @@ def _doubled(bits: Ints, starts: Ints) -> Ints:
         np.add.reduceat(bits, starts) != np.bitwise_or.reduceat(bits, starts)
     )
     return out
+
+
+# --- not stated -------------------------------------------------------------------------------
+
+
+def _missing(look: _Look) -> Iterator[_Fact]:
+    """Find entities without a value that they cannot be without."""
+    tags = look.tags
+    for kind, needed in NEEDED.items():
+        marks = look.entities(kind)
+        if not len(marks):
+            continue
+        first = tags.marks[marks] + 1
+        last = np.append(tags.marks, len(tags.codes))[marks + 1]
+        pair = TOGETHER.get(kind, ())
+        there = {}
+        for code in (*needed, *pair):
+            places = np.flatnonzero(tags.codes == code)
+            there[code] = np.searchsorted(places, last) > np.searchsorted(places, first)
+        lacks = ~np.logical_and.reduce([there[code] for code in needed])
+        if pair:
+            lacks |= there[pair[0]] != there[pair[1]]
+        for k in np.flatnonzero(lacks).tolist():
+            mark = int(marks[k])
+            missing = [code for code in needed if not there[code][k]]
+            missing = missing or [code for code in pair if not there[code][k]]
+            what = f"without group {' and '.join(str(code) for code in missing)}"
+            figures = "no value to cut by"
+            yield look.fact("not-stated", mark, what, figures, int(tags.marks[mark]))
 
 
 # --- counted otherwise ------------------------------------------------------------------------

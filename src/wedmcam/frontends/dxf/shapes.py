@@ -309,7 +309,7 @@ def _polyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     )
     for vertex in entity.vertices:
         v = vertex.dxf
-        if v.flags & 16:  # control point of a spline frame: the curve's own points follow
+        if v.flags & 16 and dxf.flags & 4:  # of a spline's frame: the curve's own points follow
             continue
         x, y, z = v.location
         rows.append((x, y, v.bulge if flat and v.hasattr("bulge") else 0.0))

@@ -447,13 +447,19 @@ def collisions(
     return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded))
 
 
-def across(threaded: Sequence[Threaded], cure: str) -> list[Diagnostic]:
+def across(threaded: Sequence[Threaded], outlines: Sequence[int], cure: str) -> list[Diagnostic]:
     """Return an error for each lead that meets the path of another cut, of whatever part.
 
-    Two cuts may run along one path (a second pass), so where a lead arrives it meets both.
+    Two cuts may run along one path (a second pass), so where a lead arrives it meets both; passes
+    of one outline at two offsets may cross each other's.
+
+    Args:
+        threaded: paths with their leads.
+        outlines: a number for each, shared by the cuts of one outline.
+        cure: what to do about a lead that meets another cut.
     """
     paths = [PlannedPath(one.path, one.path, None, 0.0) for one in threaded]
-    return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded), True)
+    return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded), np.array(outlines))
 
 
 def _collisions(
@@ -461,17 +467,19 @@ def _collisions(
     threaded: Sequence[Threaded],
     spans: dict[int, Span | None],
     cures: Sequence[str],
-    shared: bool = False,
+    outlines: Ints | None = None,
 ) -> list[Diagnostic]:
     """Return an error, with its cure, for each lead that meets a path before it arrives.
 
-    ``shared``: others may have the path that it arrives at.
+    ``outlines``: a number for each, shared by the cuts of one outline, that others may have too.
     """
     lines = _leads_as_lines(threaded)
     line, path, at = scene.hits(lines)
     # Its own path it meets where it arrives.
-    margin = np.where(line == path, 2.0, ARRIVES_UM if shared else -1.0)
+    margin = np.where(line == path, 2.0, -1.0 if outlines is None else ARRIVES_UM)
     early = (at < lines.length[line] - margin) & (lines.length[line] >= 2.0)
+    if outlines is not None:
+        early &= (line == path) | (outlines[line] != outlines[path])
     order = np.lexsort((at[early], line[early]))
     found: list[tuple[int, Diagnostic]] = []
     for k in np.flatnonzero(early)[order].tolist():

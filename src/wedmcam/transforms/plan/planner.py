@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, has_errors
-from wedmcam.ir.plan import Cut, Plan, Scene
+from wedmcam.ir.plan import Cut, Plan, Scene, outline_numbers
 from wedmcam.options import Options
 from wedmcam.transforms import walls
 from wedmcam.transforms.plan.cuts import cuts_of
@@ -65,7 +65,9 @@ def plan_cuts(
         cuts += some
         found += problems
     if len(scenes) > 1 and not has_errors(found):
-        found += across([Threaded(c.path, c.thread) for _, c in cuts], words.thread_point)
+        every = [cut for _, cut in cuts]
+        threaded = [Threaded(cut.path, cut.thread) for cut in every]
+        found += across(threaded, outline_numbers(every), words.thread_point)
     if has_errors(found):
         return None, found
     if not cuts:

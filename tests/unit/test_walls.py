@@ -244,3 +244,14 @@ def test_an_outline_and_its_polygon_are_one_drawn_twice(sides):
     compilation = api.compile(drawing(draw), offset=0.1)
     assert not compilation.ok
     assert "drawn-twice" in {d.code for d in compilation.findings}
+
+
+@pytest.mark.parametrize("apart", [1e-5, 1e-7, 1e-8])
+def test_holes_that_touch_but_for_rounding_are_said(apart):
+    def draw(doc, space):
+        poly(space, square(0, 0, 40))
+        space.add_circle((10, 20), 5)
+        space.add_circle((20 + apart, 20), 5)
+
+    compilation = api.compile(drawing(draw), offset=0.1)
+    assert "contours-touch" in {d.code for d in compilation.findings}

@@ -64,16 +64,16 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
     {'0x0000': 'heading 30 deg, length 20.000 mm'}
     """
     s, figure = _fields(data, "")
-    said = {}
+    text = {}
     for at, arc, straight, row in zip(
         s.starts.tolist(), s.arc.tolist(), s.straight.tolist(), figure, strict=True
     ):
         start, size = f"{float(row['start']):.8g} deg", mm(int(row["size"]))
         if arc:
-            said[at] = f"start {start}, R {size}, sweep {float(row['sweep']):.8g} deg"
+            text[f"{at:#06x}"] = f"start {start}, R {size}, sweep {float(row['sweep']):.8g} deg"
         elif straight:
-            said[at] = f"heading {start}, length {size}"
-    return said
+            text[f"{at:#06x}"] = f"heading {start}, length {size}"
+    return text
 
 
 def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from wedmcam.diag import Diagnostic, Severity, error, warning
 from wedmcam.geom import measure, pairs
-from wedmcam.geom.gaps import beside, gaps
+from wedmcam.geom.gaps import Gaps, beside, gaps
 from wedmcam.geom.segments import Floats, Ints, Segments, boxes
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms.doubles import mm, place, steady
@@ -23,6 +23,8 @@ from wedmcam.transforms.doubles import mm, place, steady
 WALL_UM = 4.0
 #: Up to this, um, contours touch: that is found where contours are made (`meetings`).
 TOUCH_UM = 0.01
+#: Nearer than this contours do touch, um: the noise of float64.
+EXACT_UM = 1e-6
 #: Contours that run beside each other, up to `TWICE_UM` apart, for at least this share of either
 #: one are one that is drawn twice.
 MOST = 0.5
@@ -62,13 +64,15 @@ def thin(
         g = gaps(s.take(i), s.take(j))
         near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
         one = parts is None or parts[a] == parts[b]
+        least = int(np.argmin(g.size))
+        if one and EXACT_UM < g.size[least] <= TOUCH_UM:
+            found.append(_touching(contours[a], contours[b], g, least))
         if not len(near):
             # Equal, or not near at all; or a polygon whose corners lie on the other outline.
             share, far = beside(s.take(owner == a), s.take(owner == b), TWICE_UM)
             if share >= MOST and far > TOUCH_UM:
-                k = int(np.argmin(g.size))
                 wall = one and keeps[a] is not None and keeps[b] is not None
-                at = float(g.x[k]), float(g.y[k])
+                at = float(g.x[least]), float(g.y[least])
                 found.append(
                     (at[1], at[0], _finding(contours[a], contours[b], wall, share, far, at))
                 )
@@ -153,6 +157,21 @@ def _finding(
     say = error if wall else warning
     notes = (("the other one", spans[1]),)
     return say(code, text, spans[0], notes=notes, hint=hint, points_mm=((x / 1e3, y / 1e3),))
+
+
+def _touching(a: Contour, b: Contour, g: Gaps, k: int) -> tuple[float, float, Diagnostic]:
+    """Return (y, x, warning) for contours that come as near as rounding makes those that touch."""
+    x, y = float(g.x[k]), float(g.y[k])
+    spans = sorted((a.source_of(0), b.source_of(0)), key=str)
+    finding = warning(
+        "contours-touch",
+        f"two contours touch at {place(x, y)} mm but for {float(g.size[k]):.2g} um; nothing is "
+        "left of the material there",
+        spans[0],
+        notes=(("it touches this", spans[1]),),
+        points_mm=((x / 1e3, y / 1e3),),
+    )
+    return y, x, finding
 
 
 def _keeps(contour: Contour, inside: bool | None, x: float, y: float) -> bool:

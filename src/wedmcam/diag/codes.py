@@ -201,7 +201,7 @@ CODES: dict[str, Code] = {
     "block-twice": Code(
         "A block is defined twice, or two names differ only in case, which makes no difference.",
         "CAD programs refuse the file or take either of them; both would be cut at every INSERT.",
-        "Rename or remove one of them. A block of which nothing is cut is a warning only.",
+        "Rename or remove one of them. Where nothing of the block is cut this is a warning.",
     ),
     "behind-end": Code(
         "There are data behind the end mark (EOF) of a drawing.",
@@ -735,7 +735,7 @@ CODES: dict[str, Code] = {
         "Nothing is needed; writing the program again makes arcs that end exactly.",
     ),
     "iso-units": Code(
-        "A number in an ISO program of which the unit is in doubt: nothing says what 1 is.",
+        "The unit of a number in an ISO program is in doubt: nothing says what 1 is.",
         "Read as um instead of mm the part is a thousand times too small, as mm for inch 25 times.",
         "Say it: --whole-in for numbers without a point, --units-in for those with one where no "
         "G20 or G21 stands; or name the profile of the machine, --profile-in.",

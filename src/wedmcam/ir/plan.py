@@ -11,12 +11,10 @@ import enum
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from wedmcam.ir.contour import Contour
 
-#: Outlines whose corners differ by less than this on every side are one outline, um.
-SAME_BOX_UM = 2.0
+#: Outlines whose extremes are the same to so many digits behind the point, um, are one outline.
+SAME_DIGITS = 3
 
 
 class Side(enum.StrEnum):
@@ -77,21 +75,16 @@ def outline_numbers(cuts: Sequence[Cut]) -> list[int]:
     Rough and finishing passes run beside one outline: a lead may cross the paths of both, in what
     falls away. Cuts whose outline nobody drew are each of their own.
     """
+    first: dict[tuple[float, ...], int] = {}
     numbers: list[int] = []
-    known: list[tuple[int, tuple[float, ...]]] = []
     for k, cut in enumerate(cuts):
-        number = k
-        if cut.outline is not None:
-            v = cut.outline.vertices
-            box = (*(float(f(v[n])) for n in ("x", "y") for f in (np.min, np.max)), float(len(v)))
-            same = (
-                n
-                for n, b in known
-                if max(abs(p - q) for p, q in zip(b, box, strict=True)) < SAME_BOX_UM
-            )
-            number = next(same, k)
-            known.append((number, box))
-        numbers.append(number)
+        if cut.outline is None:
+            numbers.append(k)
+            continue
+        v = cut.outline.vertices
+        corners = (v["x"].min(), v["x"].max(), v["y"].min(), v["y"].max())
+        key = (*(round(float(c), SAME_DIGITS) for c in corners), float(len(v)))
+        numbers.append(first.setdefault(key, k))
     return numbers
 
 

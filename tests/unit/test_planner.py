@@ -154,3 +154,16 @@ def test_a_finishing_pass_crosses_the_path_of_the_rough_one():
     assert compilation.ok, [d.message for d in compilation.findings]
     against = {"against": PASSES.encode(), "against_name": "passes.wed", "name": "a.3b"}
     assert api.verify(compilation.data, certificate=compilation.summary, **against).ok
+
+
+def test_outlines_are_one_if_their_arcs_are_too():
+    from wedmcam.ir.contour import Contour, vertices
+    from wedmcam.ir.plan import Cut, outline_numbers
+
+    def cut(x, radius):
+        circle = Contour(vertices([(x + radius, 0, x, 0, 1, -1)]), True)
+        return Cut(circle, circle, (0, 0))
+
+    # The second has the seam of the first, and another centre; nobody drew the last.
+    cuts = [cut(0, 10e3), cut(5e3, 5e3), cut(0, 10e3), Cut(None, cut(0, 1e3).path, (0, 0))]
+    assert outline_numbers(cuts) == [0, 1, 0, 3]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from wedmcam.ir.contour import Contour
 
-#: Outlines whose extremes are the same to so many digits behind the point, um, are one outline.
+#: Outlines whose extremes, of vertices and centres, are the same to so many digits behind the point, um, are one outline.
 SAME_DIGITS = 3
 
 
@@ -82,8 +82,8 @@ def outline_numbers(cuts: Sequence[Cut]) -> list[int]:
             numbers.append(k)
             continue
         v = cut.outline.vertices
-        corners = (v["x"].min(), v["x"].max(), v["y"].min(), v["y"].max())
-        key = (*(round(float(c), SAME_DIGITS) for c in corners), float(len(v)))
+        ends = [end for name in ("x", "y", "cx", "cy") for end in (v[name].min(), v[name].max())]
+        key = (*(round(float(end), SAME_DIGITS) for end in ends), float(len(v)))
         numbers.append(first.setdefault(key, k))
     return numbers
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 from wedmcam.ir.contour import Contour
 
-#: Outlines whose extremes, of vertices and centres, are the same to so many digits behind the point, um, are one outline.
+#: Outlines are one whose extremes, of vertices and centres, are the same to so many digits behind
+#: the point, um.
 SAME_DIGITS = 3
 
 

@@ -232,6 +232,9 @@ def options_in_mm(**mm: Any) -> Options:
     for key, value in mm.items():
         if key == "starts":
             values["starts_um"] = [(1000.0 * x, 1000.0 * y) for x, y in value]
+        elif key == "layer_offsets":
+            pairs = value.items() if isinstance(value, Mapping) else value
+            values[key] = [(layer, 1000.0 * mm) for layer, mm in pairs]
         elif f"{key}_um" in known:
             if value is not None and not isinstance(value, int | float):
                 raise WrongUse(f"{key}={value!r} is no length in mm")

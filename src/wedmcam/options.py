@@ -36,6 +36,10 @@ READING: dict[str, tuple[str, ...]] = {
     "centres_in": ("start", "absolute"),
     "semicolon_in": ("block", "comment"),
 }
+#: Sides that need an offset.
+SIDED = (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT)
+#: Who can take a clearance -> the side on which it is cut.
+CLEARANCE_ON = {"die": Side.DIE, "punch": Side.PART}
 _UNIT = re.compile(r"\s*(\d+\.?\d*|\.\d+)?\s*(um|mm|inch|in)\s*")
 
 
@@ -97,6 +101,11 @@ class Options:
         tolerance_um: how far arcs may lie from a spline or an ellipse.
         offset_um: from the outline to the wire's centre; None where none was given.
         side: None for ``part`` with an offset and ``on`` without.
+        layer_sides: name or wildcard of a layer, and the side of its contours.
+        layer_offsets: likewise, and wire / 2 + gap of its contours.
+        clearance_um: what punch and die leave between them on each side; whoever takes it is cut
+            that much nearer to its outline, and behind it where that is more than the offset.
+        clearance_on: who takes it, "die" or "punch".
         corner_um: radius rounded onto the part's own corners; 0 for none.
         sharp: at a corner that the wire goes round the offset lines are prolonged to meet.
         trim: leave out what the wire cannot reach instead of refusing.
@@ -137,6 +146,10 @@ class Options:
     transforms: tuple[str, ...] = ()
     offset_um: float | None = None
     side: Side | None = None
+    layer_sides: tuple[tuple[str, Side], ...] = ()
+    layer_offsets: tuple[tuple[str, float], ...] = ()
+    clearance_um: float = 0.0
+    clearance_on: str = "die"
     corner_um: float = 0.0
     sharp: bool = False
     trim: bool = False
@@ -179,21 +192,74 @@ class Options:
         offset = self.offset_um or 0.0
         if offset < 0:
             raise WrongUse("--offset must not be negative: --side says on which side it is")
-        if self.side in (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT) and not offset:
+        if self.side in SIDED and not offset:
             raise WrongUse(f"--side {self.side} needs an offset (--offset, or --wire and --gap)")
-        if self.side is Side.ON and offset:
+        if self.side is Side.ON and offset and not self.layer_sides:
             raise WrongUse("--side on runs on the line: it takes no offset")
-        if 0 < self.corner_um < offset:
+        self._check_layers()
+        for name in ("clearance_um", "corner_um"):
+            if getattr(self, name) < 0:
+                raise WrongUse(f"--{name[:-3]} must not be negative")
+        if self.clearance_on not in CLEARANCE_ON:
+            raise WrongUse(f"--clearance-on takes die or punch, not '{self.clearance_on}'")
+        asked = self._asked_sides()
+        takes = CLEARANCE_ON[self.clearance_on]
+        if (
+            self.wished("clearance_um")
+            and self.clearance_um
+            and not any(s is takes and o for s, o in asked)
+        ):
+            raise WrongUse(
+                f"--clearance is taken by the {self.clearance_on}, and nothing is cut as one: "
+                f"--side {takes}, --layer-side NAME={takes}, or --clearance-on "
+                f"{'punch' if self.clearance_on == 'die' else 'die'}"
+            )
+        least = min((o - self.taken_um(s) for s, o in asked if s in SIDED), default=0.0)
+        if 0 < self.corner_um < least:
             raise WrongUse(
                 f"--corner {self.corner_um / 1000:.3f} mm is below the offset "
-                f"{offset / 1000:.3f} mm: the wire could not follow it"
+                f"{least / 1000:.3f} mm: the wire could not follow it"
             )
-        for name in ("join_um", "corner_um", "lead_um", "stop_um", "overcut_um"):
+        for name in ("join_um", "lead_um", "stop_um", "overcut_um"):
             if getattr(self, name) < 0:
                 raise WrongUse(f"--{name[:-3]} must not be negative")
         for name in ("stop_um", "overcut_um"):
             if 0 < getattr(self, name) < 1:
                 raise WrongUse(f"--{name[:-3]} is 0 or 1 um at least: no step is shorter")
+
+    def _check_layers(self) -> None:
+        """Refuse sides and offsets of layers that do not fit together."""
+        for option, said in (("side", self.layer_sides), ("offset", self.layer_offsets)):
+            names = [name.casefold() for name, _ in said]
+            for name in names:
+                if not name or names.count(name) > 1:
+                    what = "is said twice" if name else "names no layer"
+                    raise WrongUse(f"--layer-{option} {name}: {what}")
+        offsets = {name.casefold(): um for name, um in self.layer_offsets}
+        for name, um in self.layer_offsets:
+            if um <= 0:
+                raise WrongUse(f"--layer-offset {name} must be above 0: the side says which way")
+        for name, side in self.layer_sides:
+            own = offsets.get(name.casefold())
+            if side in SIDED and not (own or self.offset_um):
+                raise WrongUse(f"--layer-side {name}={side} needs an offset")
+            if side is Side.ON and own:
+                raise WrongUse(f"--layer-side {name}=on runs on the line: it takes no offset")
+
+    def _asked_sides(self) -> list[tuple[Side, float]]:
+        """Return every side that is asked for, with its offset."""
+        every = self.offset_um or 0.0
+        sides = {name.casefold(): side for name, side in self.layer_sides}
+        offsets = {name.casefold(): um for name, um in self.layer_offsets}
+        return [
+            (self.effective_side, every),
+            *((side, offsets.get(name, every)) for name, side in sides.items()),
+            *((sides.get(name, self.side or Side.PART), um) for name, um in offsets.items()),
+        ]
+
+    def taken_um(self, side: Side) -> float:
+        """Return by how much less than wire / 2 + gap the wire keeps from outlines of a side."""
+        return self.clearance_um if side is CLEARANCE_ON[self.clearance_on] else 0.0
 
     def wished(self, name: str) -> bool:
         """Return whether a field was asked for; a default of a shop is no wish."""
@@ -229,6 +295,8 @@ class Options:
         kept = {
             f.name: data[f.name] for f in fields(self) if data.get(f.name, f.default) != f.default
         }
+        if "layer_sides" in kept:
+            kept["layer_sides"] = tuple((name, str(side)) for name, side in self.layer_sides)
         return {k: str(v) if isinstance(v, Side | Order) else v for k, v in kept.items()}
 
     @classmethod
@@ -247,6 +315,9 @@ class Options:
             for name in ("layers", "ignore_layers", "ignore_types", "transforms", "defines"):
                 if name in values:
                     values[name] = tuple(values[name])
+            for name, of in (("layer_sides", Side), ("layer_offsets", float)):
+                if name in values:
+                    values[name] = tuple((str(n), of(v)) for n, v in _pairs(values[name]))
             if values.get("cuts") is not None:
                 first, last = values["cuts"]
                 values["cuts"] = (int(first), int(last))
@@ -257,3 +328,8 @@ class Options:
             return cls(**values)
         except (TypeError, ValueError) as why:
             raise WrongUse(f"these options cannot be read: {why}") from why
+
+
+def _pairs(said: Any) -> Any:
+    """Return pairs of a mapping, or of a list of them."""
+    return said.items() if isinstance(said, Mapping) else said

@@ -16,8 +16,9 @@ from wedmcam.diag import TextSpan
 from wedmcam.ir.part import CutItem, Shape
 from wedmcam.ir.plan import Scene, Side
 from wedmcam.options import Options
+from wedmcam.transforms.layers import Group, rule_of
 from wedmcam.transforms.nest import nest
-from wedmcam.transforms.plan.drawing import cut_of_drawing
+from wedmcam.transforms.plan.drawing import cuts_of_drawing
 from wedmcam.transforms.plan.planner import plan_cuts
 from wedmcam.transforms.plan.portion import only_cuts
 from wedmcam.transforms.plan.shaped import ShapedCut
@@ -38,7 +39,9 @@ cut edge on
 def planned(figure, side, **options):
     """Return the plan of the contours of a drawing, and that of one cut that names the same."""
     options = Options(offset_um=None if side is Side.ON else 100.0, side=side, **options)
-    asked, found = cut_of_drawing(figure, nest(figure), (), options)
+    asked, found = cuts_of_drawing(
+        [Group(rule_of("", options), tuple(figure))], nest(figure), (), options
+    )
     assert not found
     drawing = plan_cuts(asked, options, FLOAT64, OF_DRAWING)
     item = CutItem("part", Shape(()), asked[0].item.side, SPAN)
@@ -137,7 +140,9 @@ def test_open_contours_of_one_figure_that_run_the_other_way_are_one_warning():
     figure = [parts.contour_of_bulges([[x, 0], [x, 5000]], [0, 0], closed=False) for x in (0, 9000)]
     options = Options(offset_um=100.0, side=Side.LEFT, reverse=True)
     options = replace(options, starts_um=((-100.0, -500.0), (8900.0, -500.0)))
-    asked, _ = cut_of_drawing(figure, nest(figure), (), options)
+    asked, _ = cuts_of_drawing(
+        [Group(rule_of("", options), tuple(figure))], nest(figure), (), options
+    )
     _, found = plan_cuts(asked, options, FLOAT64, OF_DRAWING)
     assert [(d.code, d.count) for d in found] == [("idle-option", 2)]
 

@@ -239,7 +239,7 @@ def plot(
             kept = plan.side if plan.side in (Side.PART, Side.DIE) else None
             legend += _part(sheet, plan.outlines, kept, box)
     wire = _Wire(program, segments, cuts)
-    legend += wire.draw(sheet, 2 * plan.offset_um if plan is not None and kerf else 0.0)
+    legend += wire.draw(sheet, 2 * plan.wire_um if plan is not None and kerf else 0.0)
     if part is None and len(wire.cutting):
         contour = wire.cutting[wire.role[wire.cutting] == Role.CONTOUR]
         part = _Segments(*(v[contour if len(contour) else wire.cutting] for v in segments)).box()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from wedmcam.cli.lengths import LENGTH, OFFSET, POINT
+from wedmcam.cli.lengths import LENGTH, OFFSET, POINT, OfLayer
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 SIDES = click.Choice(["part", "die", "left", "right", "on"])
+LAYER_SIDE = OfLayer(SIDES, "side", "DIE=die")
+LAYER_OFFSET = OfLayer(LENGTH, "length", "DIE=0.12mm")
 
 
 def _stack(*options: Callable[[F], F]) -> Callable[[F], F]:
@@ -97,6 +99,34 @@ path_options = _stack(
         type=SIDES,
         help="part keeps the material inside outer contours (default with an offset), die the "
         "reverse; on runs on the line.",
+    ),
+    click.option(
+        "--layer-side",
+        "layer_sides",
+        type=LAYER_SIDE,
+        multiple=True,
+        metavar="NAME=SIDE",
+        help="Side of the contours of a layer, such as DIE=die; repeat.",
+    ),
+    click.option(
+        "--layer-offset",
+        "layer_offsets",
+        type=LAYER_OFFSET,
+        multiple=True,
+        metavar="NAME=LENGTH",
+        help="Offset of the contours of a layer; repeat.",
+    ),
+    click.option(
+        "--clearance",
+        "clearance_um",
+        type=LENGTH,
+        help="Between punch and die on each side: offset = wire / 2 + gap - clearance.",
+    ),
+    click.option(
+        "--clearance-on",
+        type=click.Choice(["die", "punch"]),
+        default="die",
+        help="Who takes the clearance; a punch is what --side part cuts.",
     ),
     click.option("--corner", "corner_um", type=LENGTH, help="Round the part's own corners."),
     click.option(
@@ -273,6 +303,10 @@ def options_of(asked: dict[str, Any]) -> Options:
         defines=asked["defines"],
         offset_um=offset,
         side=Side(asked["side"]) if asked["side"] else None,
+        layer_sides=tuple((name, Side(side)) for name, side in asked["layer_sides"]),
+        layer_offsets=asked["layer_offsets"],
+        clearance_um=asked["clearance_um"] or 0.0,
+        clearance_on=asked["clearance_on"],
         corner_um=asked["corner_um"] or 0.0,
         sharp=asked["convex"] == "sharp",
         trim=asked["on_interference"] == "trim",

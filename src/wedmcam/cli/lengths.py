@@ -83,6 +83,24 @@ class Offset(click.ParamType):  # type: ignore[type-arg]
             self.fail(str(why), param, ctx)
 
 
+class OfLayer(click.ParamType):  # type: ignore[type-arg]
+    """NAME=VALUE: what holds for the contours of a layer."""
+
+    def __init__(self, of: click.ParamType, what: str, example: str) -> None:  # type: ignore[type-arg]
+        self.name = f"name={what}"
+        self.of = of
+        self.example = example
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[str, Any]:
+        """Return (name, value); a wrong one is wrong use."""
+        if isinstance(value, tuple):
+            return value
+        name, sign, said = str(value).rpartition("=")
+        if not sign or not name.strip():
+            self.fail(f"'{value}' names no layer: write {self.example}", param, ctx)
+        return name.strip(), self.of.convert(said.strip(), param, ctx)
+
+
 LENGTH = Length()
 OFFSET = Offset()
 POINT = Point()

@@ -207,6 +207,8 @@ def read(text: str, name: str, folder: Path, known: Mapping[str, click.Option]) 
         return File(name, {}, (error("settings-syntax", f"not TOML: {what}", span),), text)
     settings: dict[str, Setting] = {}
     found: list[Diagnostic] = []
+    flat, bad = _of_layers(data, text, name, known)
+    found += bad
     for key, value in data.items():
         line, column, length, value_column, value_length = _placed(text, key)
         span = TextSpan(name, line, value_column, value_length)
@@ -224,7 +226,68 @@ def read(text: str, name: str, folder: Path, known: Mapping[str, click.Option]) 
             found.append(
                 error("settings-value", f"'{key}': {said}", span, hint=_near_choice(option, value))
             )
+    for key, values in flat.items():
+        before = settings[key].value if key in settings else ()
+        span = TextSpan(name, _placed(text, "layers")[0], 1)
+        settings[key] = Setting(key, (*before, *values), data.get(key, values), span, folder)
     return File(name, settings, tuple(found), text)
+
+
+#: Keys of a table of one layer -> the option that says the same of a layer that it names.
+LAYER_KEYS = {"side": "layer-side", "offset": "layer-offset"}
+
+
+def _of_layers(
+    data: dict[str, Any], text: str, name: str, known: Mapping[str, click.Option]
+) -> tuple[dict[str, list[tuple[str, Any]]], list[Diagnostic]]:
+    """Take the tables ``[layers.NAME]`` out of a file; return their values by option.
+
+    >>> # [layers.DIE]
+    >>> # side = "die"      stands for --layer-side DIE=die
+    """
+    from wedmcam.diag import TextSpan, error
+
+    tables = data.pop("layers", {})
+    flat: dict[str, list[tuple[str, Any]]] = {}
+    found: list[Diagnostic] = []
+    span = TextSpan(name, _placed(text, "layers")[0], 1)
+    hint = '[layers.DIE] with side = "die" and offset = "0.12mm"'
+    if not isinstance(tables, dict):
+        return {}, [error("settings-value", "'layers': takes tables, one a layer", span, hint=hint)]
+    for layer, said in tables.items():
+        if not isinstance(said, dict):
+            what = f"'layers.{layer}': takes a table, not {said!r}"
+            found.append(error("settings-value", what, span, hint=hint))
+            continue
+        for key, value in said.items():
+            line = _line_of_layer(text, layer, key) or span.line
+            at = TextSpan(name, line, 1)
+            option = known.get(LAYER_KEYS.get(key, ""))
+            if option is None:
+                what = f"'layers.{layer}': there is no key '{key}'"
+                hints = f"a layer takes {' and '.join(LAYER_KEYS)}"
+                found.append(error("settings-key", what, at, hint=hints))
+                continue
+            try:
+                if isinstance(value, bool) or not isinstance(value, str | int | float):
+                    raise ValueError(f"takes text or a length, not {value!r}")
+                pair = option.type.convert(f"{layer}={value}", option, click.Context(_NOWHERE))
+                flat.setdefault(LAYER_KEYS[key], []).append(pair)
+            except (ValueError, click.BadParameter) as why:
+                told = why.message if isinstance(why, click.BadParameter) else str(why)
+                found.append(error("settings-value", f"'layers.{layer}.{key}': {told}", at))
+    return flat, found
+
+
+def _line_of_layer(text: str, layer: str, key: str) -> int | None:
+    """Return the line of a key of the table of a layer, or that of the table."""
+    within: int | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        if m := re.match(r"\s*\[+\s*layers\s*\.\s*[\"']?(.*?)[\"']?\s*\]+", line):
+            within = number if m[1] == layer else None
+        elif within and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line):
+            return number
+    return within
 
 
 _NOWHERE = click.Command("settings")

@@ -18,6 +18,7 @@ from wedmcam.options import Options, WrongUse
 
 if TYPE_CHECKING:
     from wedmcam.transforms.chain import ChainReport
+    from wedmcam.transforms.layers import Group
     from wedmcam.transforms.nest import Nesting
     from wedmcam.transforms.plan.shaped import ShapedCut
     from wedmcam.transforms.plan.wording import Wording
@@ -29,6 +30,7 @@ class Drawn:
 
     ``computed``: formulas made the contours: in another arithmetic they are others.
     ``held``: findings about outlines that are held by what is not read; errors stop the plan.
+    ``groups``: the same contours, by the side and the offset of their layers.
     """
 
     sketch: Sketch
@@ -37,6 +39,7 @@ class Drawn:
     nesting: Nesting
     computed: bool
     held: tuple[Diagnostic, ...] = ()
+    groups: tuple[Group, ...] = ()
 
     @property
     def words(self) -> Wording:
@@ -46,10 +49,10 @@ class Drawn:
         return OF_DRAWING
 
     def cuts(self, options: Options) -> tuple[tuple[ShapedCut, ...], list[Diagnostic]]:
-        """Return what is to be cut: a drawing is one cut."""
-        from wedmcam.transforms.plan.drawing import cut_of_drawing
+        """Return what is to be cut: a drawing is one cut for each side and offset."""
+        from wedmcam.transforms.plan.drawing import cuts_of_drawing
 
-        return cut_of_drawing(self.contours, self.nesting, self.sketch.thread_points, options)
+        return cuts_of_drawing(self.groups, self.nesting, self.sketch.thread_points, options)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -78,8 +81,9 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         raise WrongUse("-D sets a let of a .wed program; this is a drawing")
     from wedmcam.frontends.dxf import DxfOptions
     from wedmcam.frontends.dxf import read as read_dxf
-    from wedmcam.transforms.chain import chain
+    from wedmcam.transforms.chain import ChainReport, chain
     from wedmcam.transforms.held import held
+    from wedmcam.transforms.layers import Group, split
     from wedmcam.transforms.nest import nest
 
     asked = DxfOptions(
@@ -91,12 +95,19 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         tolerance_um=options.tolerance_um,
     )
     sketch = run("read", read_dxf(data, file, asked))
-    contours, report, found = chain(sketch, options.join_um)
-    run.add("chain", found)
-    about = held(sketch, contours, options.join_um, options.offset_um or 0.0)
-    if options.transforms:
-        sketch, contours = _transformed(sketch, contours, options, run)
-    return Drawn(sketch, contours, report, nest(contours), bool(options.transforms), about)
+    groups, report, drawn = [], ChainReport(), sketch
+    every: tuple[Contour, ...] = ()
+    for rule, part in run("chain", split(sketch, options)):
+        contours, own, found = chain(part, options.join_um)
+        run.add("chain", found)
+        every, report = every + contours, report.with_(own)
+        if options.transforms:
+            drawn, contours = _transformed(sketch, contours, options, run)
+        groups.append(Group(rule, contours))
+    about = held(sketch, every, options.join_um, options.offset_um or 0.0)
+    every = tuple(c for group in groups for c in group.contours)
+    computed = bool(options.transforms)
+    return Drawn(drawn, every, report, nest(every), computed, about, tuple(groups))
 
 
 def source_format(data: bytes, file: str, options: Options) -> str:

@@ -388,6 +388,21 @@ CODES: dict[str, Code] = {
         "the part gets smaller, and holes larger, by half the kerf on every side",
         "give --offset (or --wire and --gap), or say --side on if it is meant",
     ),
+    "no-such-layer": Code(
+        "a side or an offset was asked for of a layer that holds nothing to cut",
+        "the contours that were meant are cut on the side of all others: a scrapped part",
+        "name the layer as the drawing does; wedmcam inspect lists them",
+    ),
+    "behind-the-line": Code(
+        "the clearance is at least wire / 2 + gap, so the wire runs on the drawn line or behind it",
+        "that is right for a clearance so wide, and a surprise where it is a typing error",
+        "check --clearance, --wire and --gap: offset = wire / 2 + gap - clearance",
+    ),
+    "two-plates": Code(
+        "contours of punches lie in the openings of their dies, and one program cuts both",
+        "they cannot come out of one plate: the opening takes the material of the punch",
+        "change the plate at the pause before the punches, or compile each layer alone (--layer)",
+    ),
     "closed-left-right": Code(
         "a closed contour was asked to be cut on its left or right",
         "left of a closed contour is inside or outside, depending on how it was drawn",

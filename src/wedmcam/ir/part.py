@@ -38,6 +38,7 @@ class CutItem:
         enter: the lead arrives at the point of the wire path nearest to this (x, y), and where that
             is written.
         overcut: how far the path is cut past its start.
+        clearance: by how much less than its offset the wire keeps from the outline.
     """
 
     name: str
@@ -51,6 +52,7 @@ class CutItem:
     lead: float | None = None
     enter: tuple[float, float, TextSpan] | None = None
     overcut: float | None = None
+    clearance: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

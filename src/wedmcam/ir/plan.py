@@ -53,8 +53,10 @@ class Cut:
         number: which of the plan's ``outlines`` it is of, 1-based. Never told: whatever is printed
             counts cuts as they are cut.
         side: as asked for; ``inside`` and ``outside`` of a part program are what their scene keeps.
-        offset_um: distance from the outline to the wire's centre; 0 for ``on``.
+        offset_um: distance from the outline to the wire's centre; 0 for ``on``. Below 0 the wire
+            runs behind the outline, in what is drawn as kept: the clearance is more than the wire.
         scene: which of the plan's ``scenes`` it is of, from 0.
+        clearance_um: how far behind its outline the kept material begins.
     """
 
     outline: Contour | None
@@ -68,6 +70,7 @@ class Cut:
     side: Side = Side.ON
     offset_um: float = 0.0
     scene: int = 0
+    clearance_um: float = 0.0
 
 
 def outline_numbers(cuts: Sequence[Cut]) -> list[int]:
@@ -96,12 +99,14 @@ class Scene:
     Attributes:
         outlines: what bounds the kept material; contours without one stand in a scene as well.
         depths: how many others enclose each one.
-        offsets: how far from each one the wire's centre runs, um; 0 for ``on``.
+        offsets: how far from each one the wire's centre runs, um, as of its cut; 0 for ``on``.
         sides: of each one, as of its cut.
         keeps: PART where what lies in an even number of outlines falls away, and that in an odd
             number is kept; DIE for the reverse; None where the wire has no kept side (``on``, and
             open contours).
         first: how many outlines of the plan come before these.
+        clearances: how far behind each one the kept material begins, um; empty for nowhere.
+        plate: scenes of different plates are cut from different pieces of material.
     """
 
     outlines: tuple[Contour, ...]
@@ -110,6 +115,13 @@ class Scene:
     sides: tuple[Side, ...]
     keeps: Side | None
     first: int = 0
+    clearances: tuple[float, ...] = ()
+    plate: int = 0
+
+    @property
+    def behind(self) -> tuple[float, ...]:
+        """The clearance of each outline."""
+        return self.clearances or (0.0,) * len(self.outlines)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,9 +133,11 @@ class Material:
         outlines: all of the scene: they bound what is kept.
         depths: for each of ``outlines``, how many others enclose it.
         side: PART or DIE: what of them is kept.
-        offset_um: distance from an outline to the wire's centre.
+        offset_um: distance from an outline to the wire's centre; below 0 the wire runs behind it.
         reached: numbers (from 0, of ``outlines``) of those that the cuts are to reach.
         first: how many outlines of the plan come before these.
+        clearance_um: how far behind those that are to be reached the kept material begins.
+        clearances: how far behind each of ``outlines`` it does.
     """
 
     scene: int
@@ -133,10 +147,13 @@ class Material:
     offset_um: float
     reached: tuple[int, ...]
     first: int
+    clearance_um: float = 0.0
+    clearances: tuple[float, ...] = ()
 
     def holds(self, cut: Cut) -> bool:
         """Return whether a cut is one of those."""
-        return cut.scene == self.scene and cut.offset_um == self.offset_um
+        own = (cut.scene, cut.offset_um, cut.clearance_um)
+        return own == (self.scene, self.offset_um, self.clearance_um)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,6 +189,21 @@ class Plan:
         return max((o for scene in self.scenes for o in scene.offsets), default=0.0)
 
     @property
+    def wire_um(self) -> float:
+        """The largest radius of the wire with its gap: an offset and its clearance."""
+        own = (
+            (o, c)
+            for scene in self.scenes
+            for o, c in zip(scene.offsets, scene.behind, strict=True)
+        )
+        return max((o + c for o, c in own), default=0.0)
+
+    @property
+    def plates(self) -> tuple[int, ...]:
+        """For each cut, from which piece of material it is cut."""
+        return tuple(self.scenes[cut.scene].plate for cut in self.cuts)
+
+    @property
     def offsets_text(self) -> str:
         """The offsets of the cuts for people, mm: one, or each that occurs."""
         each = sorted({cut.offset_um for cut in self.cuts})
@@ -200,10 +232,13 @@ class Plan:
                 scene.depths,
                 scene.keeps,
                 offset,
-                tuple(k for k, o in enumerate(scene.offsets) if o == offset),
+                tuple(k for k, o in enumerate(own) if o == (offset, clearance)),
                 scene.first,
+                clearance,
+                scene.behind,
             )
             for number, scene in enumerate(self.scenes)
             if scene.keeps is not None
-            for offset in sorted(set(scene.offsets))
+            for own in [list(zip(scene.offsets, scene.behind, strict=True))]
+            for offset, clearance in sorted(set(own))
         )

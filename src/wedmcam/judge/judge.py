@@ -33,6 +33,7 @@ from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.plan import Cut, Material, Plan, outline_numbers
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.checks import Limits, check_blocks
+from wedmcam.judge.clearance import as_left
 from wedmcam.judge.deviation import SLOP, measure
 from wedmcam.judge.leads import hits
 from wedmcam.judge.material import Kept, coverage, kept_material, wrong_side
@@ -168,7 +169,7 @@ class _Case(NamedTuple):
         done = ~np.isnan(t.high)
         judged = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
         held = [
-            (material, judged & np.array([material.holds(c) for c in cuts], bool))
+            (as_left(material), judged & np.array([material.holds(c) for c in cuts], bool))
             for material in self.plan.materials
         ]
         materials = [kept_material(material, route, own) for material, own in held]
@@ -511,7 +512,10 @@ class _Case(NamedTuple):
                 hint="a lead may run in scrap only, and meet no other cut",
             )
             for a, b, x, y in hits(
-                route, np.array(numbers), np.array(outline_numbers(self.plan.cuts))
+                route,
+                np.array(numbers),
+                np.array(outline_numbers(self.plan.cuts)),
+                np.array(self.plan.plates),
             )
         ]
 

@@ -29,7 +29,9 @@ MEETS = 1e-3
 ARRIVES = 10.0
 
 
-def hits(route: Route, number: Ints, outline: Ints) -> list[tuple[int, int, float, float]]:
+def hits(
+    route: Route, number: Ints, outline: Ints, plate: Ints
+) -> list[tuple[int, int, float, float]]:
     """Return where leads of a route meet wire paths of other cuts.
 
     Args:
@@ -37,6 +39,7 @@ def hits(route: Route, number: Ints, outline: Ints) -> list[tuple[int, int, floa
         number: of the cut of the plan, from 0, that each cut of the route is.
         outline: for each cut of the plan a number, shared by the passes of one outline: their leads
             may cross each other's paths.
+        plate: for each cut of the plan, from which piece of material it is cut.
 
     Returns:
         (cut, other cut, x, y), the first place of each cut's leads; numbers of the plan.
@@ -45,7 +48,8 @@ def hits(route: Route, number: Ints, outline: Ints) -> list[tuple[int, int, floa
     path = np.flatnonzero(route.role == Role.CONTOUR)
     leads, paths = route.segments.take(lead), route.segments.take(path)
     i, j = near_pairs(boxes(leads, 1.0), boxes(paths))
-    other = outline[number[route.cut[lead[i]]]] != outline[number[route.cut[path[j]]]]
+    mine, theirs = number[route.cut[lead[i]]], number[route.cut[path[j]]]
+    other = (outline[mine] != outline[theirs]) & (plate[mine] == plate[theirs])
     i, j = i[other], j[other]
     if not len(i):
         return []

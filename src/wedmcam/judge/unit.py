@@ -43,11 +43,17 @@ def in_steps(plan: Plan, step_um: float) -> Plan:
             stop_um=c.stop_um / step_um,
             overcut_um=c.overcut_um / step_um,
             offset_um=c.offset_um / step_um,
+            clearance_um=c.clearance_um / step_um,
         )
 
     def scene(s: Scene) -> Scene:
         outlines = tuple(contour(c) for c in s.outlines)
-        return replace(s, outlines=outlines, offsets=tuple(o / step_um for o in s.offsets))
+        return replace(
+            s,
+            outlines=outlines,
+            offsets=tuple(o / step_um for o in s.offsets),
+            clearances=tuple(c / step_um for c in s.clearances),
+        )
 
     return replace(
         plan,

@@ -97,6 +97,14 @@ class Offsetting(Iso):
         """Beside a segment: it is particular about where paths start."""
         from wedmcam.transforms import outlines
 
+        behind = [cut for cut in plan.cuts if cut.offset_um < 0]
+        if behind:
+            um = -behind[0].offset_um / 1000
+            what = (
+                f"the clearance puts the wire {um:.3f} mm behind the line: no D number is below 0"
+            )
+            hint = "a profile that does not leave the offset to the controller"
+            return None, [error("not-reachable", what, behind[0].path.source_of(0), hint=hint)]
         return outlines.started(plan, grid_of(self.machine))
 
     def entries(self, plan: Plan) -> Entries:

@@ -53,6 +53,12 @@ class Scaled(Stated):
                 f"{self.machine.format} has one gap for all cuts, and they have different offsets: "
                 f"{several}"
             )
+        behind = [um for um, _ in gaps if um < 0]
+        if behind:
+            raise WrongUse(
+                f"{self.machine.format} has no gap below 0, and the clearance puts the wire "
+                f"{-behind[0] / 1000:.3f} mm behind the line: --to {self.instead}"
+            )
         return self._entries(gaps[0][0] if gaps else 0.0, plan.side)
 
     def entered(self, options: Options, plan: Plan | None = None) -> Entries:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,12 @@ class ChainReport:
     max_shift_um: float = 0.0
     duplicates: int = 0
     zero_length: int = 0
+
+    def with_(self, other: ChainReport) -> ChainReport:
+        """Return what both did."""
+        mine, theirs = astuple(self), astuple(other)
+        both = {f.name: a + b for f, a, b in zip(fields(self), mine, theirs, strict=True)}
+        return ChainReport(**both | {"max_shift_um": max(self.max_shift_um, other.max_shift_um)})
 
 
 Chained = tuple[tuple[Contour, ...], ChainReport, tuple[Diagnostic, ...]]

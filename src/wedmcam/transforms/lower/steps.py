@@ -29,6 +29,7 @@ def _cut(c: Cut, scale: float) -> Cut:
         stop_um=c.stop_um * scale,
         overcut_um=c.overcut_um * scale,
         offset_um=c.offset_um * scale,
+        clearance_um=c.clearance_um * scale,
     )
 
 

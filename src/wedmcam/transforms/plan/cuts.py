@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from wedmcam.diag import Diagnostic, error, warning
 from wedmcam.geom import measure
@@ -47,7 +47,9 @@ def cuts_of(
     for k, n in enumerate(cut_of):
         own[n].add(k)
     threads = [start for n in own for start in asked[n].starts]
-    only = [mine for n, mine in own.items() for _ in asked[n].starts]
+    only: list[Collection[int]] = [mine for n, mine in own.items() for _ in asked[n].starts]
+    if scene.starts is not None:
+        threads, only = list(scene.starts), [range(len(paths))] * len(scene.starts)
     threaded, found = lead(paths, threads, options.lead_um, only, words.thread_point)
     if threaded is None:
         return [], found
@@ -76,6 +78,7 @@ def cuts_of(
             planned.sides[path.contour],
             path.offset_um,
             number,
+            scene.pieces[path.contour].clearance,
         )
         made.append((cut_of[k], cut))
         if item.lead is not None and not one.measured:

@@ -1,4 +1,4 @@
-"""A drawing as a part program of one cut, and what such a cut must be.
+"""A drawing as a part program of one cut, or of one a side, and what such a cut must be.
 
 The side follows from what is kept, and from nothing else: with ``part`` the wire runs outside of
 outer contours and inside of holes, with ``die`` the reverse.
@@ -8,15 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wedmcam.diag import Diagnostic, error, warning
+import numpy as np
+
+from wedmcam.diag import Diagnostic, EntityRef, error, note, warning
+from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.part import CutItem, Shape
 from wedmcam.ir.plan import Order, Side
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.options import Options
 from wedmcam.transforms.chain import open_contour_findings
+from wedmcam.transforms.layers import Group, Rule
 from wedmcam.transforms.merge import merge_arcs
-from wedmcam.transforms.nest import Nesting
+from wedmcam.transforms.nest import Nesting, nest
+from wedmcam.transforms.plan.scenes import EQUAL_UM
 from wedmcam.transforms.plan.shaped import ShapedCut
 
 #: What each side is called in a part program.
@@ -29,28 +34,126 @@ _WORDS = {
 }
 
 
-def cut_of_drawing(
-    contours: Sequence[Contour],
+def cuts_of_drawing(
+    groups: Sequence[Group],
     nesting: Nesting,
     threads: Sequence[ThreadPoint],
     options: Options,
 ) -> tuple[tuple[ShapedCut, ...], list[Diagnostic]]:
-    """Return the one cut that a drawing is; errors where its contours do not fit the side.
+    """Return the cuts that a drawing is: one, or one for each side and offset of its layers.
+
+    Errors where contours do not fit their side, and warnings.
 
     Args:
-        contours: as `chain` or the transforms made them.
-        nesting: of them.
+        groups: contours as `chain` or the transforms made them.
+        nesting: of all of them.
         threads: thread points of the drawing.
-        options: state side, further thread points and order.
+        options: state further thread points and the order.
     """
-    item = CutItem("", Shape(()), _WORDS[options.effective_side], None)
     starts = (*threads, *(ThreadPoint(x, y) for x, y in options.starts_um))
     order = options.order or Order.INNER_FIRST
-    cut = ShapedCut(item, tuple(contours), starts, order=order, nesting=nesting)
-    return (cut,), _unfit(contours, options)
+    found = [d for group in groups for d in _unfit(group, options)]
+    if len(groups) == 1:
+        (group,) = groups
+        item = _item(group.rule)
+        cut = ShapedCut(item, group.contours, starts, order=order, nesting=nesting)
+        return (cut,), [*found, *_behind(group, options)]
+    cuts = []
+    for group in groups:
+        dies = [c for g in groups if g.rule.side is Side.DIE for c in g.contours if c.closed]
+        punch = _within(group.contours, dies) if group.rule.side is Side.PART else set()
+        for plate in (0, 1):
+            mine = tuple(c for k, c in enumerate(group.contours) if (k in punch) == bool(plate))
+            if mine:
+                item = _item(group.rule)
+                own = ShapedCut(
+                    item,
+                    mine,
+                    starts,
+                    order=order,
+                    nesting=nest(mine),
+                    plate=plate,
+                    of_drawing=True,
+                )
+                cuts.append(own)
+        found += _behind(group, options)
+    return tuple(cuts), [*found, *_plates(cuts)]
 
 
-def _unfit(contours: Sequence[Contour], options: Options) -> list[Diagnostic]:
+def _item(rule: Rule) -> CutItem:
+    return CutItem(
+        "",
+        Shape(()),
+        _WORDS[rule.side],
+        None,
+        offset=rule.offset_um,
+        clearance=rule.clearance_um,
+    )
+
+
+def _within(contours: Sequence[Contour], dies: Sequence[Contour]) -> set[int]:
+    """Return the numbers of contours that lie in openings of a die, or are one.
+
+    They are the punches for these openings, drawn in their place.
+    """
+    if not dies or not contours:
+        return set()
+    boxes = measure.extents_of_all([(c.vertices, c.closed) for c in (*contours, *dies)])
+    mine, theirs = boxes[: len(contours)], boxes[len(contours) :]
+    found = set()
+    for k, box in enumerate(mine):
+        same = np.abs(theirs - box).max(axis=1) < EQUAL_UM
+        if same.any() or any(d > 0 for d in nest((contours[k], *dies)).depths[:1]):
+            found.add(k)
+    return found
+
+
+def _plates(cuts: Sequence[ShapedCut]) -> list[Diagnostic]:
+    """Return a warning where one program cuts two pieces of material."""
+    punches = [c for cut in cuts if cut.plate for c in cut.figure]
+    if not punches:
+        return []
+    v = punches[0].vertices
+    x, y = float(v["x"][0]) / 1000, float(v["y"][0]) / 1000
+    return [
+        warning(
+            "two-plates",
+            f"{len(punches)} contours to keep lie in openings of a die, the first at "
+            f"({x:.3f}, {y:.3f}) mm: they are the last to be cut, from a second plate",
+            punches[0].source_of(0),
+            points_mm=((x, y),),
+            hint="change the plate at the pause before them; or --layer, one program for each",
+            count=len(punches),
+        )
+    ]
+
+
+def _behind(group: Group, options: Options) -> list[Diagnostic]:
+    """Return a note where the clearance is at least the offset: the wire runs behind the line."""
+    wire = group.rule.offset_um or options.offset_um or 0.0
+    apart = wire - group.rule.clearance_um
+    if not group.contours or not group.rule.clearance_um or apart > 0:
+        return []
+    spans = [c.source_of(k) for c in group.contours for k in range(len(c))]
+    names = sorted({s.layer for s in spans if isinstance(s, EntityRef)})
+    who = "the punch" if group.rule.side is Side.PART else "the die"
+    where = (
+        "on the line"
+        if apart == 0
+        else f"{-apart / 1000:.3f} mm on the other side of the line, in what is drawn as kept"
+    )
+    return [
+        note(
+            "behind-the-line",
+            f"{who}: the clearance {group.rule.clearance_um / 1000:.3f} mm is "
+            f"{'all of' if apart == 0 else 'more than'} the offset {wire / 1000:.3f} mm: the wire "
+            f"runs {where} (layer {', '.join(names[:4])})",
+            group.contours[0].source_of(0),
+        )
+    ]
+
+
+def _unfit(group: Group, options: Options) -> list[Diagnostic]:
     """Return errors where contours do not fit the side: open ones to cut round, closed ones left.
 
     An open contour is followed only where that was asked for by name (left, right, on): a gap in an
@@ -58,8 +161,8 @@ def _unfit(contours: Sequence[Contour], options: Options) -> list[Diagnostic]:
     an accident of the CAD program.
     """
     found: list[Diagnostic] = []
-    side = options.effective_side
-    if side in (Side.PART, Side.DIE) or options.side is None:
+    contours, side, stated = group.contours, group.rule.side, group.rule.stated
+    if side in (Side.PART, Side.DIE) or not stated:
         opened = [merge_arcs(c) for c in contours if not c.closed]
         found += open_contour_findings(opened, options.join_um)
     if side in (Side.LEFT, Side.RIGHT):
@@ -75,7 +178,7 @@ def _unfit(contours: Sequence[Contour], options: Options) -> list[Diagnostic]:
                     hint="--side part keeps what is inside, --side die what is outside",
                 )
             )
-    if side is Side.ON and options.side is None:
+    if side is Side.ON and not stated and contours:
         found.append(
             warning(
                 "no-offset",

@@ -26,6 +26,9 @@ _OF_DRAWINGS = (
     ("join_um", "--join", "chains whose ends meet within 1 um join"),
     ("tolerance_um", "--tolerance", "a part program has no splines"),
     ("side", "--side", "each cut names its side"),
+    ("layer_sides", "--layer-side", "a part program has no layers"),
+    ("layer_offsets", "--layer-offset", "a part program has no layers"),
+    ("clearance_um", "--clearance", "each cut names its offset"),
     ("starts_um", "--start", "each cut names its start"),
     ("order", "--order", "cuts are made in the order in which they are written"),
 )

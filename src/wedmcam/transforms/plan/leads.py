@@ -447,19 +447,28 @@ def collisions(
     return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded))
 
 
-def across(threaded: Sequence[Threaded], outlines: Sequence[int], cure: str) -> list[Diagnostic]:
+def across(
+    threaded: Sequence[Threaded], outlines: Sequence[int], plates: Sequence[int], cure: str
+) -> list[Diagnostic]:
     """Return an error for each lead that meets the path of another cut, of whatever part.
 
     Two cuts may run along one path (a second pass), so where a lead arrives it meets both; passes
-    of one outline at two offsets may cross each other's.
+    of one outline at two offsets may cross each other's, and cuts of two plates do not meet.
 
     Args:
         threaded: paths with their leads.
         outlines: a number for each, shared by the cuts of one outline.
+        plates: for each, of which plate it is.
         cure: what to do about a lead that meets another cut.
     """
     paths = [PlannedPath(one.path, one.path, None, 0.0) for one in threaded]
-    return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded), np.array(outlines))
+    found: list[Diagnostic] = []
+    for plate in sorted(set(plates)):
+        mine = [k for k, p in enumerate(plates) if p == plate]
+        numbers = np.array([outlines[k] for k in mine])
+        scene = _Scene([paths[k] for k in mine])
+        found += _collisions(scene, [threaded[k] for k in mine], {}, [cure] * len(mine), numbers)
+    return found
 
 
 def _collisions(

@@ -33,7 +33,7 @@ class PlannedPath:
         path: the wire path, in cutting direction.
         outline: what it was made from; None for ``on`` open paths.
         scrap_left: scrap to the left (True) or right of the path; None where there is none (on).
-        offset_um: distance between the two.
+        offset_um: how far the path is from the outline towards scrap.
         contour: number of the outline; several paths may share one.
         parent: number of the outline directly around it, -1 for none.
         lead_um: length of a lead that nobody stated; None for the usual one.
@@ -70,7 +70,8 @@ def planned_paths(
         found += interference(contours, shifts, result.interference, options.trim)
         rounded = any(p.rounded for p in scene.pieces)
         if result.inner_corners and result.paths and sided and not rounded:
-            found.append(_inner_corners(result.inner_corners, max(map(abs, shifts)), words))
+            wire = max(p.offset + p.clearance for p in scene.pieces)
+            found.append(_inner_corners(result.inner_corners, wire, words))
         paths = [(p.outline, p.path) for p in result.paths]
     else:
         paths = list(enumerate(contours))
@@ -80,8 +81,8 @@ def planned_paths(
         one = PlannedPath(
             path,
             contours[k],
-            piece.shift > 0 if sided else None,
-            abs(piece.shift),
+            piece.scrap_left,
+            piece.offset,
             k,
             scene.nesting.parents[k],
             cuts[piece.cut].item.lead,
@@ -103,10 +104,10 @@ def _run(planned: PlannedPath, piece: Piece) -> PlannedPath:
     )
 
 
-def _inner_corners(count: int, offset_um: float, words: Wording) -> Diagnostic:
+def _inner_corners(count: int, wire_um: float, words: Wording) -> Diagnostic:
     return note(
         "inner-corners",
-        f"{count} sharp inner corners keep the radius of the wire, {offset_um / 1000:.3f} mm",
+        f"{count} sharp inner corners keep the radius of the wire, {wire_um / 1000:.3f} mm",
         hint=f"{words.corner} rounds the part's own corners, so that punch and die fit",
     )
 

@@ -32,6 +32,10 @@ class Piece:
         contour: as it is run.
         outside: the wire runs outside of it; None for an open contour or ``on``.
         shift: how far the wire runs to the left, um (negative: right).
+        scrap_left: what falls away is to the left of the contour; None where nothing does.
+        offset: how far the wire runs from the contour towards what falls away, um; below 0 it runs
+            in what is drawn as kept.
+        clearance: how far behind the contour the kept material begins, um.
         reverse: the wire runs the contour the other way, on the same path.
         rounded: its sharp corners were rounded.
     """
@@ -40,6 +44,9 @@ class Piece:
     contour: Contour
     outside: bool | None
     shift: float
+    scrap_left: bool | None
+    offset: float
+    clearance: float
     reverse: bool
     rounded: bool
 
@@ -69,11 +76,11 @@ def pieces_of(
             )
         )
         return [], found
-    offset = 0.0 if side == "on" else float(offset or 0.0)
+    offset = 0.0 if side == "on" else float(offset or 0.0) - item.clearance
     used.add("offset_um", side != "on" and item.offset is None)
     used.add("corner_um", item.corner is None)
     for name in ("sharp", "trim"):
-        used.add(name, offset > 0)
+        used.add(name, offset != 0)
     corner = item.corner if item.corner is not None else options.corner_um
     if 0 < corner < offset:
         found.append(
@@ -100,16 +107,27 @@ def pieces_of(
     for k, (c, depth) in enumerate(zip(figure, depths, strict=True)):
         if side in ("inside", "outside"):
             outside = runs_outside(depth, side == "outside")
-            shift = -offset if outside else offset
+            way = -1 if outside else 1
             # The drawn sense is run where the side follows it; else what is stated counts.
             stated = bool(cut.clockwise) and cut.clockwise[k]
         else:
-            shift = {"left": offset, "right": -offset, "on": 0.0}[side]
-            outside = (shift < 0) == (c.closed and measure.area(c.vertices) > 0)
+            way = {"left": 1, "right": -1, "on": 0}[side]
+            outside = (way < 0) == (c.closed and measure.area(c.vertices) > 0)
             stated = False
         known = c.closed and side != "on"
-        reverse = stated != options.reverse
-        pieces.append(Piece(number, c, outside if known else None, shift, reverse, corner > 0))
+        pieces.append(
+            Piece(
+                number,
+                c,
+                outside if known else None,
+                way * offset,
+                way > 0 if known else None,
+                offset,
+                item.clearance,
+                stated != options.reverse,
+                corner > 0,
+            )
+        )
     return pieces, found
 
 

@@ -44,11 +44,13 @@ def plan_cuts(
     if has_errors(found):
         return None, found
     numbered = [(number, piece) for number, scene in enumerate(scenes) for piece in scene.pieces]
-    found += walls.thin(
-        [piece.contour for _, piece in numbered],
-        [piece.outside for _, piece in numbered],
-        [number for number, _ in numbered],
-    )
+    for plate in sorted({scene.plate for scene in scenes}):
+        mine = [(n, piece) for n, piece in numbered if scenes[n].plate == plate]
+        found += walls.thin(
+            [piece.contour for _, piece in mine],
+            [piece.outside for _, piece in mine],
+            [number for number, _ in mine],
+        )
     if has_errors(found):
         return None, found
     cuts: list[tuple[int, Cut]] = []
@@ -67,7 +69,8 @@ def plan_cuts(
     if len(scenes) > 1 and not has_errors(found):
         every = [cut for _, cut in cuts]
         threaded = [Threaded(cut.path, cut.thread) for cut in every]
-        found += across(threaded, outline_numbers(every), words.thread_point)
+        plates = [planned[cut.scene].plate for cut in every]
+        found += across(threaded, outline_numbers(every), plates, words.thread_point)
     if has_errors(found):
         return None, found
     if not cuts:
@@ -78,5 +81,6 @@ def plan_cuts(
             error("nothing-to-cut", text.format(offset=f"{offset / 1000:.3f}"), hint=hint),
         ]
     found += of_path(used.names, options, words)
-    cuts.sort(key=lambda numbered: numbered[0])
+    if not asked[0].of_drawing:  # a drawing states no order, its scenes are in theirs
+        cuts.sort(key=lambda numbered: numbered[0])
     return Plan(tuple(cut for _, cut in cuts), tuple(planned)), found

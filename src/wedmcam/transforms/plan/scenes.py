@@ -9,14 +9,16 @@ number of outlines is one thing and the rest the other.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wedmcam.diag import Diagnostic, error, has_errors
 from wedmcam.geom import measure
+from wedmcam.geom.segments import distances
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Scene, Side
+from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.doubles import place
 from wedmcam.transforms.meetings import contour_meetings
 from wedmcam.transforms.nest import Nesting, nest
@@ -31,23 +33,33 @@ EQUAL_UM = 2.0
 class PieceScene:
     """Contours that make one part, and how they lie in each other.
 
-    ``keeps``: what is kept of it, PART or DIE; None where no side keeps anything.
+    ``keeps``: what is kept of it, PART or DIE; None where no side keeps anything. ``plate``: of
+    which piece of material. ``starts``: thread points for any of its contours; None where each
+    cut has its own.
     """
 
     pieces: tuple[Piece, ...]
     nesting: Nesting
     keeps: Side | None
+    plate: int = 0
+    starts: tuple[ThreadPoint, ...] | None = None
 
     def as_planned(self, cuts: Sequence[ShapedCut], first: int) -> Scene:
         """Return the scene of a plan in which ``first`` outlines come before."""
         return Scene(
             tuple(p.contour for p in self.pieces),
             self.nesting.depths,
-            tuple(abs(p.shift) for p in self.pieces),
+            tuple(p.offset for p in self.pieces),
             tuple(self._side(cuts[p.cut].item.side) for p in self.pieces),
             self.keeps,
             first,
+            tuple(p.clearance for p in self.pieces) if self._clears else (),
+            self.plate,
         )
+
+    @property
+    def _clears(self) -> bool:
+        return any(p.clearance for p in self.pieces)
 
     def _side(self, word: str) -> Side:
         if word in ("inside", "outside"):
@@ -69,15 +81,30 @@ def scenes_of(
     if len(cuts) == 1 and known is not None:
         return _one_scene(pieces, known, cuts[0].item.side)
     alone = [PieceScene((p,), nest([p.contour]), None) for p in pieces if p.outside is None]
-    sided = [p for p in pieces if p.outside is not None]
+    scenes: list[PieceScene] = []
+    found: list[Diagnostic] = []
+    for plate in sorted({cut.plate for cut in cuts}):
+        sided = [p for p in pieces if p.outside is not None and cuts[p.cut].plate == plate]
+        some, problems = _of_plate(cuts, sided)
+        scenes += [replace(scene, plate=plate) for scene in some]
+        found += problems
+    if any(cut.of_drawing for cut in cuts):
+        return _of_drawing([*scenes, *alone], cuts[0].starts), found
+    return [*scenes, *alone], found
+
+
+def _of_plate(
+    cuts: Sequence[ShapedCut], sided: Sequence[Piece]
+) -> tuple[list[PieceScene], list[Diagnostic]]:
+    """Return contours of one piece of material in groups that can be one part."""
     if not sided:
-        return alone, []
+        return [], []
     found: list[Diagnostic] = list(contour_meetings(_once(sided)))
     if has_errors(found):
         return [], found
     nesting = _one_part(sided)
     if nesting is not None:
-        groups = [(sided, nesting)]
+        groups = [(list(sided), nesting)]
     else:
         groups, found = _groups(sided)
     scenes = []
@@ -85,7 +112,44 @@ def scenes_of(
         some, problems = _one_scene(group, nested, cuts[group[0].cut].item.side)
         scenes += some
         found += problems
-    return [*scenes, *alone], found
+    return scenes, found
+
+
+def _of_drawing(scenes: Sequence[PieceScene], starts: Sequence[ThreadPoint]) -> list[PieceScene]:
+    """Return the scenes of a drawing in their order, each with the thread points it may serve.
+
+    What others enclose is cut before them, or it would be loose. A thread point is for the nearest
+    contour of a scene in whose scrap it lies.
+    """
+    every = [p.contour for scene in scenes for p in scene.pieces]
+    owner = [k for k, scene in enumerate(scenes) for _ in scene.pieces]
+    depths = nest(every).depths
+    deep = [
+        min(d for d, k in zip(depths, owner, strict=True) if k == n) for n in range(len(scenes))
+    ]
+    own: list[list[ThreadPoint]] = [[] for _ in scenes]
+    for start in starts:
+        far = [_distance(scene, start) for scene in scenes]
+        scrap = [k for k, scene in enumerate(scenes) if _in_scrap(scene, start)]
+        own[min(scrap or range(len(scenes)), key=lambda k: (far[k], k))].append(start)
+    order = sorted(range(len(scenes)), key=lambda k: (scenes[k].plate, -deep[k], k))
+    return [replace(scenes[k], starts=tuple(own[k])) for k in order]
+
+
+def _distance(scene: PieceScene, at: ThreadPoint) -> float:
+    """Return how far a point is from the contours of a scene, um."""
+    s, _ = measure.segments_of_all([(p.contour.vertices, p.contour.closed) for p in scene.pieces])
+    x, y = np.full(len(s), at.x), np.full(len(s), at.y)
+    return float(distances(s, x, y).min())
+
+
+def _in_scrap(scene: PieceScene, at: ThreadPoint) -> bool:
+    """Return whether a point lies in what falls away; where nothing is kept, it does anywhere."""
+    if scene.keeps is None:
+        return True
+    x, y = np.array([at.x]), np.array([at.y])
+    within = sum(bool(measure.contains(p.contour.vertices, x, y)[0]) for p in scene.pieces)
+    return (within % 2 == 0) == (scene.keeps is Side.PART)
 
 
 def _groups(

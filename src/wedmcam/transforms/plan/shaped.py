@@ -1,7 +1,7 @@
 """What is asked of one cut, with its figure.
 
-A part program has many; a drawing is one, of all its contours, with the sides, thread points and
-order that the options state (`drawing`).
+A part program has many; a drawing is one of all its contours, or one for each side and offset that
+the options state for its layers (`drawing`).
 """
 
 from __future__ import annotations
@@ -29,6 +29,9 @@ class ShapedCut:
         order: in which order its contours are cut.
         nesting: how its contours lie in each other, where that is known: then the closed ones run
             counter-clockwise, they meet nowhere, and are one part. None where it is to be found.
+        plate: cuts of different plates never make one part, and their leads do not meet.
+        of_drawing: it is one of several cuts of a drawing, which states neither their order nor
+            whose the thread points are.
     """
 
     item: CutItem
@@ -38,3 +41,5 @@ class ShapedCut:
     clockwise: tuple[bool, ...] = ()
     order: Order = Order.INNER_FIRST
     nesting: Nesting | None = None
+    plate: int = 0
+    of_drawing: bool = False

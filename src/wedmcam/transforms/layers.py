@@ -1,0 +1,118 @@
+"""Layers that are cut on a side of their own: punch and die in one drawing.
+
+What is cut on one side and at one offset joins to contours by itself: the outline of a punch may be
+drawn once more as that of its die, and neither a copy nor a crossing of it is one.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, EntityRef, Span, error
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.plan import Side
+from wedmcam.ir.sketch import Sketch
+from wedmcam.options import Options
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """How the contours of a layer are cut.
+
+    Attributes:
+        side: on which the wire runs.
+        stated: the side was asked for; else it follows from whether there is an offset.
+        offset_um: wire / 2 + gap where the layer has its own; None for that of all.
+        clearance_um: by how much less the wire keeps from their outlines.
+    """
+
+    side: Side
+    stated: bool
+    offset_um: float | None
+    clearance_um: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """Contours that are cut by one rule."""
+
+    rule: Rule
+    contours: tuple[Contour, ...]
+
+
+def rule_of(layer: str, options: Options) -> Rule:
+    """Return how the contours of a layer are cut; a name counts before a wildcard."""
+    side = _said(layer, options.layer_sides)
+    offset = _said(layer, options.layer_offsets)
+    stated = side or options.side
+    if stated is None:
+        stated_side = Side.PART if (offset or options.offset_um) else Side.ON
+    else:
+        stated_side = stated
+    return Rule(stated_side, stated is not None, offset, options.taken_um(stated_side))
+
+
+def _said(layer: str, said: Sequence[tuple[str, T]]) -> T | None:
+    """Return what is said of a layer: under its name, else under the first wildcard for it."""
+    name = layer.casefold()
+    for match in (str.__eq__, fnmatch.fnmatchcase):
+        for pattern, value in said:
+            if match(name, pattern.casefold()):
+                return value
+    return None
+
+
+def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], list[Diagnostic]]:
+    """Return a sketch in parts of one rule each; errors for layers that are named and not there.
+
+    What a shop says of the layers of all its drawings may miss in one; what was asked for with this
+    drawing in mind may not: its contours would be cut on the wrong side.
+    """
+    layers = [_layer(s) for s in sketch.sources]
+    if not (options.layer_sides or options.layer_offsets):
+        return [(rule_of("", options), sketch)], []
+    rules = {layer: rule_of(layer, options) for layer in dict.fromkeys(layers)}
+    used = sketch.segments["source"]
+    cut = {layers[k] for k in np.unique(used[used >= 0]).tolist()}
+    groups: list[tuple[Rule, Sketch]] = []
+    every = list(dict.fromkeys(rules.values()))
+    which = np.array([every.index(rules[layer]) for layer in layers], np.int64)
+    of = np.where(used >= 0, which[used] if len(which) else 0, 0)
+    for number, rule in enumerate(every):
+        mine = of == number
+        if mine.any():
+            groups.append((rule, replace(sketch, segments=sketch.segments[mine])))
+    return groups or [(rule_of("", options), sketch)], _missing(cut, options)
+
+
+def _missing(cut: set[str], options: Options) -> list[Diagnostic]:
+    """Return an error for each name for which there is no layer with something to cut."""
+    found = []
+    folded = {layer.casefold() for layer in cut}
+    for field, word in (("layer_sides", "--layer-side"), ("layer_offsets", "--layer-offset")):
+        if not options.wished(field):
+            continue
+        for name, _ in getattr(options, field):
+            pattern = name.casefold()
+            if any(pattern == n or fnmatch.fnmatchcase(n, pattern) for n in folded):
+                continue
+            there = ", ".join(sorted(cut)[:12]) or "none"
+            found.append(
+                error(
+                    "no-such-layer",
+                    f"{word} {name}: nothing to cut is on a layer of this name",
+                    hint=f"layers with something to cut: {there}",
+                )
+            )
+    return found
+
+
+def _layer(source: Span) -> str:
+    return source.layer if isinstance(source, EntityRef) else ""

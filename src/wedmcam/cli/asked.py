@@ -10,6 +10,7 @@ import click
 from click.core import ParameterSource
 
 from wedmcam.cli.lengths import LENGTH, OFFSET, POINT
+from wedmcam.cli.tell import tell
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
@@ -444,7 +445,7 @@ def warn_of_idle(names: Set[str], why: str) -> None:
     for option in context.command.params:
         typed = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
         if option.name in names and typed:
-            click.echo(f"warning: {option.opts[0]} has no effect: {why}", err=True)
+            tell(f"warning: {option.opts[0]} has no effect: {why}", err=True)
 
 
 def warn_of_name(output: str, format_: str) -> None:
@@ -453,4 +454,4 @@ def warn_of_name(output: str, format_: str) -> None:
 
     named = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
     if named is not None and named != format_:
-        click.echo(f"warning: the name {output} says {named}, but {format_} is written", err=True)
+        tell(f"warning: the name {output} says {named}, but {format_} is written", err=True)

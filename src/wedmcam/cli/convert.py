@@ -13,6 +13,7 @@ from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import LENGTH
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_for
+from wedmcam.cli.tell import tell
 
 
 @click.command("convert", cls=ReadsPrograms)
@@ -92,15 +93,15 @@ def convert_command(
     say.say_findings(made.findings, name, quiet)
     if made.data is None:
         if Path(output).exists() and output != "-":
-            click.echo(f"nothing was written; {output} is as it was", err=True)
+            tell(f"nothing was written; {output} is as it was", err=True)
         else:
-            click.echo("nothing was written", err=True)
+            tell("nothing was written", err=True)
     else:
         write_outputs([(output, made.data)])
         if not quiet:
             as_set = machine_in is not None and not (profile_in or format_)
             read_as = f"; read as {made.machine_in.name}" if as_set else ""
-            click.echo(_line(made, output, target) + read_as, err=True)
+            tell(_line(made, output, target) + read_as, err=True)
     if json_:
         say.say_json(_summary(made, program, output, target))
     return made.status

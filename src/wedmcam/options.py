@@ -13,6 +13,7 @@ from typing import Any
 
 from wedmcam.diag import option_texts
 from wedmcam.ir.plan import Order, Side
+from wedmcam.ranges import LENGTHS, PLACE
 
 #: File name endings of programs, and the format each means.
 FORMAT_OF_SUFFIX = {
@@ -36,6 +37,10 @@ READING: dict[str, tuple[str, ...]] = {
     "centres_in": ("start", "absolute"),
     "semicolon_in": ("block", "comment"),
 }
+#: Fields that are lists of texts.
+_TEXTS = frozenset({"layers", "ignore_layers", "ignore_types", "transforms", "defines"})
+#: Fields that are a word, or None.
+_WORDS = frozenset({"source", "count", "units", "arithmetic"})
 _UNIT = re.compile(r"\s*(\d+\.?\d*|\.\d+)?\s*(um|mm|inch|in)\s*")
 
 
@@ -75,7 +80,7 @@ def nm_of(unit: str) -> int:
     """
     from fractions import Fraction
 
-    if found := _UNIT.fullmatch(unit):
+    if len(unit) <= 40 and (found := _UNIT.fullmatch(unit)):
         nm = Fraction(found[1] or 1) * {"um": 1000, "mm": 10**6}.get(found[2], 25_400_000)
         if nm.denominator == 1 and 0 < nm <= 10**9:
             return int(nm)
@@ -163,6 +168,7 @@ class Options:
     wishes: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
+        self._check_kinds()
         check_reading(self.reading)
         if self.units not in (None, "mm", "um", "inch"):
             raise WrongUse(f"no unit is called '{self.units}': mm, um or inch")
@@ -177,8 +183,6 @@ class Options:
         if self.backwards and not self.from_block:
             raise WrongUse("--backwards goes with --from-block N: back to where that block starts")
         offset = self.offset_um or 0.0
-        if offset < 0:
-            raise WrongUse("--offset must not be negative: --side says on which side it is")
         if self.side in (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT) and not offset:
             raise WrongUse(f"--side {self.side} needs an offset (--offset, or --wire and --gap)")
         if self.side is Side.ON and offset:
@@ -188,12 +192,32 @@ class Options:
                 f"--corner {self.corner_um / 1000:.3f} mm is below the offset "
                 f"{offset / 1000:.3f} mm: the wire could not follow it"
             )
-        for name in ("join_um", "corner_um", "lead_um", "stop_um", "overcut_um"):
-            if getattr(self, name) < 0:
-                raise WrongUse(f"--{name[:-3]} must not be negative")
-        for name in ("stop_um", "overcut_um"):
-            if 0 < getattr(self, name) < 1:
-                raise WrongUse(f"--{name[:-3]} is 0 or 1 um at least: no step is shorter")
+
+    def _check_kinds(self) -> None:
+        """Refuse a value of another kind, or out of its range, whoever says it.
+
+        Raises:
+            WrongUse: it names the option, and what it takes.
+        """
+        for field in fields(self):
+            name, value = field.name, getattr(self, field.name)
+            option = f"--{name.removesuffix('_um').replace('_', '-')}"
+            if name in LENGTHS:
+                takes = LENGTHS[name]
+                if not takes.holds(value) and not (value is None and field.default is None):
+                    raise WrongUse(f"{option} takes a length, {takes}, not {value!r} um")
+            elif isinstance(field.default, bool):
+                if not isinstance(value, bool):
+                    raise WrongUse(f"{option} takes true or false, not {value!r}")
+            elif name in _TEXTS:
+                if isinstance(value, str) or not all(isinstance(v, str) for v in value):
+                    raise WrongUse(f"{option} takes a list of texts, not {value!r}")
+            elif name in _WORDS and not isinstance(value, str | None):
+                raise WrongUse(f"{option} takes text, not {value!r}")
+        if not all(PLACE.holds(v) for point in self.starts_um for v in point):
+            raise WrongUse(f"--start takes coordinates of {PLACE}, not {self.starts_um!r} um")
+        if not all(PLACE.holds(um) for _, um in self.d):
+            raise WrongUse(f"--d takes lengths of {PLACE}, not {self.d!r} um")
 
     def wished(self, name: str) -> bool:
         """Return whether a field was asked for; a default of a shop is no wish."""
@@ -244,9 +268,9 @@ class Options:
                 values["side"] = Side(values["side"])
             if "order" in values:
                 values["order"] = Order(values["order"])
-            for name in ("layers", "ignore_layers", "ignore_types", "transforms", "defines"):
-                if name in values:
-                    values[name] = tuple(values[name])
+            for name in _TEXTS & set(values):
+                given = values[name]
+                values[name] = given if isinstance(given, str) else tuple(given)
             if values.get("cuts") is not None:
                 first, last = values["cuts"]
                 values["cuts"] = (int(first), int(last))
@@ -255,5 +279,5 @@ class Options:
             if "starts_um" in values:
                 values["starts_um"] = tuple((float(x), float(y)) for x, y in values["starts_um"])
             return cls(**values)
-        except (TypeError, ValueError) as why:
+        except (TypeError, ValueError, OverflowError) as why:
             raise WrongUse(f"these options cannot be read: {why}") from why

@@ -21,7 +21,7 @@ from wedmcam.cli.files import (
     read_program,
     write_outputs,
 )
-from wedmcam.cli.lengths import LENGTH, POINT
+from wedmcam.cli.lengths import POINT, length
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import Configured, ReadsPrograms, also_read, machine_for, typed
@@ -404,7 +404,9 @@ def _say_proof(proof: Any, verbose: bool) -> None:
 @cli.command("diff", cls=ReadsPrograms, short_help="Compare two programs as step paths.")
 @click.argument("a")
 @click.argument("b")
-@click.option("--within", "within_um", type=LENGTH, default="1um", help="As far apart is equal.")
+@click.option(
+    "--within", "within_um", type=length("within_um"), default="1um", help="As far apart is equal."
+)
 @click.option("--profile", metavar="NAME|FILE", help="Of the first; by name and content else.")
 @click.option("--profile-b", metavar="NAME|FILE", help="Of the second.")
 @ask.d_option

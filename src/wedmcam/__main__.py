@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import gc
+import io
 import os
 import signal
 import sys
@@ -14,6 +14,7 @@ INTERNAL, INTERRUPTED = 70, 130
 
 def main() -> None:
     """Run the command line; a closed pipe and Ctrl-C leave no traceback."""
+    _give_streams()
     # Ended from outside, half-written files are removed like after Ctrl-C.
     for name in ("SIGTERM", "SIGHUP"):
         if hasattr(signal, name):
@@ -28,27 +29,61 @@ def main() -> None:
         status = cli.main(prog_name="wedmcam", standalone_mode=False)
         sys.stdout.flush()
         status = status if isinstance(status, int) else 0
-    except BrokenPipeError:
-        # Nobody reads any more: that is their right. Python must not flush into it again.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 141
-    except KeyboardInterrupt:
-        sys.stderr.write("interrupted\n")
-        status = INTERRUPTED
-    except SystemExit as why:
-        status = why.code if isinstance(why.code, int) else 1
-    except Exception as why:
-        status = _said(why)
+    except BaseException as why:
+        status = _status(why)
     _leave(status)
+
+
+def _give_streams() -> None:
+    """Put something in the place of standard streams that are closed.
+
+    Else the next file that is opened would be one of them. Reading and writing there fails as it
+    should, except messages: who closed standard error wants none.
+    """
+    for number, (name, mode, way) in enumerate(
+        (
+            ("stdin", "r", os.O_WRONLY),
+            ("stdout", "w", os.O_RDONLY),
+            ("stderr", "w", os.O_WRONLY),
+        )
+    ):
+        if getattr(sys, name) is None:
+            os.open(os.devnull, way)  # takes the lowest number that is free
+            setattr(sys, name, open(number, mode, encoding="utf-8"))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _status(why: BaseException) -> int:
+    """Return the exit status of what ended the run, and say what it was."""
+    if isinstance(why, BrokenPipeError):
+        # Nobody reads any more: that is their right.
+        return 141
+    if isinstance(why, SystemExit):
+        return why.code if isinstance(why.code, int) else 1
+    try:
+        if isinstance(why, KeyboardInterrupt):
+            sys.stderr.write("interrupted\n")
+            return INTERRUPTED
+        return _said(why)
+    except BrokenPipeError:
+        return 141
+    except OSError:  # there is no place for messages
+        return 1
 
 
 def _leave(status: int) -> None:
     """End; without waiting for the workers of a batch that was interrupted."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            # What it still holds has no place: Python must not try again when it ends.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            status = status or 1
     batch = sys.modules.get("wedmcam.cli.batch")
     if batch is not None and batch.ABANDONED:
-        for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(OSError, ValueError):
-                stream.flush()
         os._exit(status)
     sys.exit(status)
 
@@ -57,10 +92,11 @@ def _ended(number: int, _: Any) -> None:
     sys.exit(128 + number)
 
 
-def _said(why: Exception) -> int:
+def _said(why: BaseException) -> int:
     """Say what stopped the program, and return its exit status."""
     import click
 
+    from wedmcam.cli.say import say_error
     from wedmcam.options import WrongUse
 
     if isinstance(why, click.exceptions.Exit):
@@ -72,8 +108,6 @@ def _said(why: Exception) -> int:
         why.show()
         return why.exit_code
     if isinstance(why, click.UsageError):
-        from wedmcam.cli.say import say_error
-
         path = why.ctx.command_path if why.ctx else "wedmcam"
         message = why.format_message().rstrip(".")
         say_error(message[:1].lower() + message[1:], f"{path} --help")
@@ -82,19 +116,19 @@ def _said(why: Exception) -> int:
         why.show()
         return why.exit_code
     if isinstance(why, WrongUse):
-        from wedmcam.cli.say import say_error
-
         say_error(str(why))
         return 2
     if isinstance(why, OSError):
-        sys.stderr.write(f"error: {why.filename or 'output'}: {why.strerror or why}\n")
+        say_error(f"{why.filename or 'standard output'}: {why.strerror or why}")
+        return 1
+    if isinstance(why, MemoryError):
+        say_error("the memory of this machine does not hold what this input needs")
         return 1
     if os.environ.get("WEDMCAM_DEBUG"):
         raise why
-    sys.stderr.write(
-        f"internal error: {type(why).__name__}: {why}\n"
-        "this is a bug of wedmcam: please report it with the input "
-        "(WEDMCAM_DEBUG=1 shows where it happened)\n"
+    say_error(
+        f"internal error: {type(why).__name__}: {why}\nthis is a bug of wedmcam: please report it "
+        "with the input (WEDMCAM_DEBUG=1 shows where it happened)"
     )
     return INTERNAL
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from wedmcam.diag import option_texts
 from wedmcam.ir.plan import Order, Side
+from wedmcam.ranges import LENGTHS, PLACE
 
 #: File name endings of programs, and the format each means.
 FORMAT_OF_SUFFIX = {
@@ -40,6 +41,10 @@ READING: dict[str, tuple[str, ...]] = {
 SIDED = (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT)
 #: Who can take a clearance -> the side on which it is cut.
 CLEARANCE_ON = {"die": Side.DIE, "punch": Side.PART}
+#: Fields that are lists of texts.
+_TEXTS = frozenset({"layers", "ignore_layers", "ignore_types", "transforms", "defines"})
+#: Fields that are a word, or None.
+_WORDS = frozenset({"source", "count", "units", "arithmetic", "clearance_on"})
 _UNIT = re.compile(r"\s*(\d+\.?\d*|\.\d+)?\s*(um|mm|inch|in)\s*")
 
 
@@ -79,7 +84,7 @@ def nm_of(unit: str) -> int:
     """
     from fractions import Fraction
 
-    if found := _UNIT.fullmatch(unit):
+    if len(unit) <= 40 and (found := _UNIT.fullmatch(unit)):
         nm = Fraction(found[1] or 1) * {"um": 1000, "mm": 10**6}.get(found[2], 25_400_000)
         if nm.denominator == 1 and 0 < nm <= 10**9:
             return int(nm)
@@ -176,6 +181,7 @@ class Options:
     wishes: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
+        self._check_kinds()
         check_reading(self.reading)
         if self.units not in (None, "mm", "um", "inch"):
             raise WrongUse(f"no unit is called '{self.units}': mm, um or inch")
@@ -190,16 +196,11 @@ class Options:
         if self.backwards and not self.from_block:
             raise WrongUse("--backwards goes with --from-block N: back to where that block starts")
         offset = self.offset_um or 0.0
-        if offset < 0:
-            raise WrongUse("--offset must not be negative: --side says on which side it is")
         if self.side in SIDED and not offset:
             raise WrongUse(f"--side {self.side} needs an offset (--offset, or --wire and --gap)")
         if self.side is Side.ON and offset and not self.layer_sides:
             raise WrongUse("--side on runs on the line: it takes no offset")
         self._check_layers()
-        for name in ("clearance_um", "corner_um"):
-            if getattr(self, name) < 0:
-                raise WrongUse(f"--{name[:-3]} must not be negative")
         if self.clearance_on not in CLEARANCE_ON:
             raise WrongUse(f"--clearance-on takes die or punch, not '{self.clearance_on}'")
         asked = self._asked_sides()
@@ -220,12 +221,35 @@ class Options:
                 f"--corner {self.corner_um / 1000:.3f} mm is below the offset "
                 f"{least / 1000:.3f} mm: the wire could not follow it"
             )
-        for name in ("join_um", "lead_um", "stop_um", "overcut_um"):
-            if getattr(self, name) < 0:
-                raise WrongUse(f"--{name[:-3]} must not be negative")
-        for name in ("stop_um", "overcut_um"):
-            if 0 < getattr(self, name) < 1:
-                raise WrongUse(f"--{name[:-3]} is 0 or 1 um at least: no step is shorter")
+
+    def _check_kinds(self) -> None:
+        """Refuse a value of another kind, or out of its range, whoever says it.
+
+        Raises:
+            WrongUse: it names the option, and what it takes.
+        """
+        for field in fields(self):
+            name, value = field.name, getattr(self, field.name)
+            option = f"--{name.removesuffix('_um').replace('_', '-')}"
+            if name in LENGTHS:
+                takes = LENGTHS[name]
+                if not takes.holds(value) and not (value is None and field.default is None):
+                    raise WrongUse(f"{option} takes a length, {takes}, not {value!r} um")
+            elif isinstance(field.default, bool):
+                if not isinstance(value, bool):
+                    raise WrongUse(f"{option} takes true or false, not {value!r}")
+            elif name in _TEXTS:
+                if isinstance(value, str) or not all(isinstance(v, str) for v in value):
+                    raise WrongUse(f"{option} takes a list of texts, not {value!r}")
+            elif name in _WORDS and not isinstance(value, str | None):
+                raise WrongUse(f"{option} takes text, not {value!r}")
+        if not all(PLACE.holds(v) for point in self.starts_um for v in point):
+            raise WrongUse(f"--start takes coordinates of {PLACE}, not {self.starts_um!r} um")
+        if not all(PLACE.holds(um) for _, um in self.d):
+            raise WrongUse(f"--d takes lengths of {PLACE}, not {self.d!r} um")
+        takes = LENGTHS["offset_um"]
+        if not all(takes.holds(um) for _, um in self.layer_offsets):
+            raise WrongUse(f"--layer-offset takes lengths of {takes}, not {self.layer_offsets!r}")
 
     def _check_layers(self) -> None:
         """Refuse sides and offsets of layers that do not fit together."""
@@ -312,9 +336,9 @@ class Options:
                 values["side"] = Side(values["side"])
             if "order" in values:
                 values["order"] = Order(values["order"])
-            for name in ("layers", "ignore_layers", "ignore_types", "transforms", "defines"):
-                if name in values:
-                    values[name] = tuple(values[name])
+            for name in _TEXTS & set(values):
+                given = values[name]
+                values[name] = given if isinstance(given, str) else tuple(given)
             for name, of in (("layer_sides", Side), ("layer_offsets", float)):
                 if name in values:
                     values[name] = tuple((str(n), of(v)) for n, v in _pairs(values[name]))
@@ -326,7 +350,7 @@ class Options:
             if "starts_um" in values:
                 values["starts_um"] = tuple((float(x), float(y)) for x, y in values["starts_um"])
             return cls(**values)
-        except (TypeError, ValueError) as why:
+        except (TypeError, ValueError, OverflowError) as why:
             raise WrongUse(f"these options cannot be read: {why}") from why
 
 

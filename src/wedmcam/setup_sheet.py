@@ -10,6 +10,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from wedmcam.diag import visible
 from wedmcam.ir.program import Kind
 from wedmcam.programs.places import block_ends
 
@@ -36,9 +37,9 @@ def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tu
     x0, y0 = program.origin_um
     entered = made.entries.lines() if made.entries else []
     facts = [
-        ("program", name),
-        ("made of", str(made.summary["input"])),
-        ("controller", f"{m.title} ({m.name})"),
+        ("program", visible(name)),
+        ("made of", visible(str(made.summary["input"]))),
+        ("controller", visible(f"{m.title} ({m.name})")),
         ("axes", _axes(m)),
         ("program's SHA-256", made.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),

@@ -166,7 +166,7 @@ WRONG = [
     ('layer = ["中", 3]', "1:9", "takes text", "^~~~~~~~~"),
     ("# one\nwire = 0.18\noffset = 0.1", "3:10", "not both", "^~~"),
     ("corner = 0.05\noffset = 0.1", "1:10", "below the offset", "^~~~"),
-    ("\n\noffset = -1", "3:10", "negative", "^~"),
+    ("\n\noffset = -1", "3:10", "takes 0 to 100 m", "^~"),
 ]
 
 

@@ -11,6 +11,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from xml.sax.saxutils import escape
 
+from wedmcam.diag import visible
+
 #: Sheet units: A4 at 4 units a mm of paper.
 LONG, SHORT = 1188.0, 840.0
 MARGIN = 28.0
@@ -42,13 +44,12 @@ def number(value: float, decimals: int = 4) -> str:
 
 
 def words(text: str) -> str:
-    """Return text as it may stand in XML: escaped, without control characters.
+    r"""Return text as it may stand in XML: escaped, what is not visible too.
 
     >>> words('a<b' + chr(7))
-    'a&lt;b '
+    'a&lt;b\\x07'
     """
-    clean = text.encode("utf-8", "replace").decode("utf-8")
-    return escape("".join(c if c >= " " else " " for c in clean), {'"': "&quot;"})
+    return escape(visible(text), {'"': "&quot;"})
 
 
 def nice(least: float) -> float:

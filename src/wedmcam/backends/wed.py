@@ -10,7 +10,6 @@ again; whether it did is proven by who asked for it (``conversion``).
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import PurePath
 
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 
 from wedmcam.backends.contours import Stretch, beside, stretches
 from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic, Span, error, warning
+from wedmcam.diag import Diagnostic, Span, error, visible, warning
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
@@ -68,7 +67,7 @@ def source(
     starts = ends - np.column_stack([motion.dx[rows], motion.dy[rows]])
     parts = np.ones(len(rows), np.int64) if pieces is None else pieces[rows]
     text = _Text(blocks[rows], starts, ends, motion.steps[rows], parts, stepping, program.step_um)
-    title = re.sub(r'["\r\n]', "'", PurePath(name).name)
+    title = visible(PurePath(name).name.replace('"', "'"))
     lines = [
         f"# What {title} cuts, as {machine.name} steps it; its first block starts at (0, 0).",
         "# The wire's centre runs on these contours: the offset is in them.",

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from wedmcam.cli.lengths import LENGTH, OFFSET, POINT, OfLayer
+from wedmcam.cli.lengths import CUTS, OFFSET, POINT, UNIT, OfLayer, length
+from wedmcam.cli.tell import tell
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
@@ -19,7 +20,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 SIDES = click.Choice(["part", "die", "left", "right", "on"])
 LAYER_SIDE = OfLayer(SIDES, "side", "DIE=die")
-LAYER_OFFSET = OfLayer(LENGTH, "length", "DIE=0.12mm")
+LAYER_OFFSET = OfLayer(length("offset_um"), "length", "DIE=0.12mm")
 
 
 def _stack(*options: Callable[[F], F]) -> Callable[[F], F]:
@@ -29,16 +30,6 @@ def _stack(*options: Callable[[F], F]) -> Callable[[F], F]:
         return command
 
     return apply
-
-
-def _range(_: click.Context, __: click.Parameter, value: str | None) -> tuple[int, int] | None:
-    """Return 2-5 as (2, 5), and 4 as (4, 4)."""
-    if value is None:
-        return None
-    first, dash, last = value.partition("-")
-    if not (first.isdecimal() and (last.isdecimal() if dash else True)):
-        raise click.BadParameter(f"'{value}' is no range of contours such as 2-5")
-    return int(first), int(last or first)
 
 
 drawing_options = _stack(
@@ -59,11 +50,13 @@ drawing_options = _stack(
         metavar="NAME",
         help="Leave entities of this DXF type out, such as HATCH; repeat.",
     ),
-    click.option("--join", "join_um", type=LENGTH, default="0.01mm", help="Largest gap closed."),
+    click.option(
+        "--join", "join_um", type=length("join_um"), default="0.01mm", help="Largest gap closed."
+    ),
     click.option(
         "--tolerance",
         "tolerance_um",
-        type=LENGTH,
+        type=length("tolerance_um"),
         default="0.001mm",
         help="Between a spline or an ellipse and its arcs.",
     ),
@@ -91,9 +84,11 @@ drawing_options = _stack(
 )
 
 path_options = _stack(
-    click.option("--offset", "offset_um", type=LENGTH, help="Outline to wire centre."),
-    click.option("--wire", "wire_um", type=LENGTH, help="Wire diameter (with --gap)."),
-    click.option("--gap", "gap_um", type=LENGTH, help="Spark gap: offset = wire / 2 + gap."),
+    click.option("--offset", "offset_um", type=length("offset_um"), help="Outline to wire centre."),
+    click.option("--wire", "wire_um", type=length("wire_um"), help="Wire diameter (with --gap)."),
+    click.option(
+        "--gap", "gap_um", type=length("gap_um"), help="Spark gap: offset = wire / 2 + gap."
+    ),
     click.option(
         "--side",
         type=SIDES,
@@ -119,7 +114,7 @@ path_options = _stack(
     click.option(
         "--clearance",
         "clearance_um",
-        type=LENGTH,
+        type=length("clearance_um"),
         help="Between punch and die on each side: offset = wire / 2 + gap - clearance.",
     ),
     click.option(
@@ -128,7 +123,9 @@ path_options = _stack(
         default="die",
         help="Who takes the clearance; a punch is what --side part cuts.",
     ),
-    click.option("--corner", "corner_um", type=LENGTH, help="Round the part's own corners."),
+    click.option(
+        "--corner", "corner_um", type=length("corner_um"), help="Round the part's own corners."
+    ),
     click.option(
         "--convex",
         type=click.Choice(["arc", "sharp"]),
@@ -144,9 +141,13 @@ path_options = _stack(
     click.option(
         "--start", "starts_um", type=POINT, multiple=True, help="A thread point, X,Y in mm."
     ),
-    click.option("--lead", "lead_um", type=LENGTH, default="1mm", help="Lead without a start."),
-    click.option("--stop", "stop_um", type=LENGTH, help="Pause so far before the end."),
-    click.option("--overcut", "overcut_um", type=LENGTH, help="Cut so far past the start."),
+    click.option(
+        "--lead", "lead_um", type=length("lead_um"), default="1mm", help="Lead without a start."
+    ),
+    click.option("--stop", "stop_um", type=length("stop_um"), help="Pause so far before the end."),
+    click.option(
+        "--overcut", "overcut_um", type=length("overcut_um"), help="Cut so far past the start."
+    ),
     click.option("--order", type=click.Choice(["given", "inner-first", "nearest"])),
     click.option(
         "--reverse/--no-reverse",
@@ -154,8 +155,8 @@ path_options = _stack(
     ),
     click.option(
         "--cuts",
+        type=CUTS,
         metavar="A-B",
-        callback=_range,
         help="Only contours A to B of the program, in its order.",
     ),
     click.option(
@@ -188,19 +189,9 @@ d_option = click.option(
 )
 
 
-def _unit(_: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    """Return a unit or a length as it was typed, checked."""
-    from wedmcam.options import nm_of
-
-    try:
-        return value if value is None else (nm_of(value), value)[1]
-    except ValueError as why:
-        raise click.BadParameter(str(why), param=param) from None
-
-
 def _reading(suffix: str = "", of: str = "Of an ISO program: ") -> list[Callable[[F], F]]:
     """Return the options of `options.READING`; each answers what a program leaves open."""
-    lengths: dict[str, Any] = {"metavar": "um|mm|inch|LENGTH", "callback": _unit}
+    lengths: dict[str, Any] = {"metavar": "um|mm|inch|LENGTH", "type": UNIT}
     told: dict[str, tuple[dict[str, Any], str]] = {
         "units-in": (
             {"type": click.Choice(["mm", "um", "inch"])},
@@ -243,7 +234,10 @@ def said_of(asked: dict[str, Any]) -> dict[str, Any]:
 
 
 feed_option = click.option(
-    "--feed", "feed_um", type=LENGTH, help="Cutting speed, a length a minute: tells the time."
+    "--feed",
+    "feed_um",
+    type=length("feed_um"),
+    help="Cutting speed, a length a minute: tells the time.",
 )
 
 said_options = _stack(
@@ -285,8 +279,6 @@ def options_of(asked: dict[str, Any]) -> Options:
     if offset is not None and (wire is not None or gap is not None):
         raise WrongUse("give --offset, or --wire and --gap, not both")
     if wire is not None and gap is not None:
-        if wire <= 0 or gap < 0:
-            raise WrongUse("--wire must be positive and --gap not negative")
         offset = wire / 2 + gap
     elif wire is not None or gap is not None:
         raise WrongUse("--wire and --gap go together: offset = wire / 2 + gap")
@@ -348,16 +340,8 @@ def wishes_of(asked: dict[str, Any]) -> frozenset[str] | None:
 
 
 def feed_of(asked: dict[str, Any]) -> float | None:
-    """Return ``--feed`` in um a minute, taken out of what click collected.
-
-    Raises:
-        WrongUse: it is not positive.
-    """
-    from wedmcam.options import WrongUse
-
+    """Return ``--feed`` in um a minute, taken out of what click collected."""
     feed: float | None = asked.pop("feed_um")
-    if feed is not None and feed <= 0:
-        raise WrongUse("--feed must be positive")
     return feed
 
 
@@ -478,7 +462,7 @@ def warn_of_idle(names: Set[str], why: str) -> None:
     for option in context.command.params:
         typed = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
         if option.name in names and typed:
-            click.echo(f"warning: {option.opts[0]} has no effect: {why}", err=True)
+            tell(f"warning: {option.opts[0]} has no effect: {why}", err=True)
 
 
 def warn_of_name(output: str, format_: str) -> None:
@@ -487,4 +471,4 @@ def warn_of_name(output: str, format_: str) -> None:
 
     named = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
     if named is not None and named != format_:
-        click.echo(f"warning: the name {output} says {named}, but {format_} is written", err=True)
+        tell(f"warning: the name {output} says {named}, but {format_} is written", err=True)

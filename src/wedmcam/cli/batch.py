@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import glob
 import itertools
-import json
+import multiprocessing
 import os
 import signal
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -22,6 +23,8 @@ import click
 
 from wedmcam.cli.files import Failed, remove_unfinished, write_outputs
 from wedmcam.cli.progress import Bar
+from wedmcam.cli.tell import tell
+from wedmcam.diag import json_text, visible
 from wedmcam.options import SUFFIX_OF_FORMAT, WrongUse
 
 if TYPE_CHECKING:
@@ -49,11 +52,12 @@ class How:
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One drawing, where its program goes, and how it is made."""
+    """One drawing, where its program goes, and how it is made; or why it cannot be read."""
 
     source: str
     output: str
     how: How
+    unreadable: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,15 +86,14 @@ def find(inputs: Sequence[str], folder: str, how: Callable[[str], How]) -> list[
         click.UsageError: nothing matched, or two drawings would have one output.
     """
     found: dict[str, Path] = {}
+    unreadable: dict[str, str] = {}
     for name in inputs:
         place = Path(name)
         if place.is_dir():
             base = place
-            files = [
-                p
-                for p in sorted(place.rglob("*"))
-                if p.suffix.lower() in SOURCES and p.is_file() and not _hidden(p, place)
-            ]
+            searched = _searched(place)
+            files = sorted(searched)
+            unreadable |= {str(file): why for file, why in searched.items() if why}
         elif place.exists():
             base, files = place.parent, [place]
         else:
@@ -103,7 +106,7 @@ def find(inputs: Sequence[str], folder: str, how: Callable[[str], How]) -> list[
             found.setdefault(str(file), file.relative_to(base))
     items = []
     taken: dict[str, str] = {}
-    sources = {Path(source).resolve() for source in found}
+    sources = {os.path.realpath(source) for source in found}
     for source in sorted(found):
         asked = how(source)
         ending = SUFFIX_OF_FORMAT[asked.machine.format] if asked.machine else ".3b"
@@ -113,14 +116,36 @@ def find(inputs: Sequence[str], folder: str, how: Callable[[str], How]) -> list[
                 f"{source} and {taken[output]} would both become {output}: give their folder"
             )
         taken[output] = source
-        if Path(output).resolve() in sources:
+        if os.path.realpath(output) in sources:
             raise click.UsageError(f"the output {output} would overwrite an input")
-        items.append(Item(source, output, asked))
+        items.append(Item(source, output, asked, unreadable.get(source, "")))
     return items
 
 
-def _hidden(path: Path, base: Path) -> bool:
-    return any(part.startswith(".") for part in path.relative_to(base).parts)
+def _searched(base: Path) -> dict[Path, str]:
+    """Return the drawings below a folder, each with why it cannot be read, empty if it can.
+
+    What is hidden is passed over. A link that leads nowhere or a pipe with the name of a drawing is
+    one that cannot be read; so is a folder that may not be listed.
+    """
+    found: dict[Path, str] = {}
+
+    def closed(why: OSError) -> None:
+        found[Path(why.filename)] = f"cannot be searched: {why.strerror}"
+
+    for folder, folders, names in os.walk(base, onerror=closed):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        for name in names:
+            file = Path(folder, name)
+            if name.startswith(".") or file.suffix.lower() not in SOURCES:
+                continue
+            if file.is_file():
+                found[file] = ""
+            elif file.exists():
+                found[file] = "cannot be read: no regular file"
+            else:
+                found[file] = "cannot be read: a link that leads nowhere"
+    return found
 
 
 def how(asked: dict[str, Any]) -> How:
@@ -141,8 +166,11 @@ def make(item: Item, force_units: bool) -> Outcome:
     from wedmcam.diag import Severity
     from wedmcam.diag.render import merged, render
 
+    if item.unreadable:
+        text = visible(f"{item.source}: {item.unreadable}")
+        return Outcome(item, 1, text, _record(item, 1, error=text))
     if item.how.wrong:
-        text = f"{item.source}: {item.how.wrong}"
+        text = f"{visible(item.source)}: {item.how.wrong}"
         return Outcome(item, 2, text, _record(item, 2, error=text))
     machine, options = item.how.machine, item.how.options
     assert machine is not None
@@ -150,7 +178,7 @@ def make(item: Item, force_units: bool) -> Outcome:
     try:
         data = Path(item.source).read_bytes()
     except OSError as why:
-        text = f"{item.source}: cannot be read: {why.strerror}"
+        text = visible(f"{item.source}: cannot be read: {why.strerror}")
         return Outcome(item, 1, text, _record(item, 1, error=text))
     try:
         made = api.compile(
@@ -172,13 +200,13 @@ def make(item: Item, force_units: bool) -> Outcome:
         record = _record(item, made.status, made.summary)
         return Outcome(item, made.status, text, record, warnings)
     except WrongUse as why:
-        text = f"{item.source}: error: {why}"
+        text = visible(f"{item.source}: error: {why}")
         return Outcome(item, 2, text, _record(item, 2, error=str(why)))
     except (Failed, OSError) as why:
-        text = f"{item.source}: {why}"
+        text = visible(f"{item.source}: {why}")
         return Outcome(item, 1, text, _record(item, 1, error=str(why)))
     except Exception as why:  # a bug of ours must not stop the others
-        text = f"{item.source}: internal error: {type(why).__name__}: {why}"
+        text = visible(f"{item.source}: internal error: {type(why).__name__}: {why}")
         return Outcome(item, 70, text, _record(item, 70, error=text))
 
 
@@ -242,9 +270,18 @@ def _abandon(pool: ProcessPoolExecutor) -> None:
 
 
 def _of_a_batch() -> None:
-    """Leave Ctrl-C to the process that started this one; when it says so, end at once."""
+    """Leave Ctrl-C to the process that started this one; end when it says so, or is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _ended)
+    threading.Thread(target=_watch, daemon=True).start()
+
+
+def _watch() -> None:
+    """End with the process that started this one: killed, it has said nothing."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        _ended(signal.SIGHUP, None)
 
 
 def _ended(number: int, _: Any) -> None:
@@ -258,7 +295,7 @@ def _result(future: Future[Outcome], item: Item) -> Outcome:
     try:
         return future.result()
     except Exception as why:
-        text = f"{item.source}: internal error: the process ended: {why}"
+        text = visible(f"{item.source}: internal error: the process ended: {why}")
         return Outcome(item, 70, text, _record(item, 70, error=text))
 
 
@@ -291,13 +328,13 @@ def run(
             if text:
                 click.echo(text, err=True)
             if json_:
-                click.echo(json.dumps(outcome.record, ensure_ascii=False))
+                tell(json_text(outcome.record))
             bar.step()
     finally:
         bar.clear()
     for (severity, code), count in sorted(codes.items()):
-        click.echo(f"  {count:6d} {severity}[{code}]", err=True)
-    click.echo(f"batch: {counts[0]} ok, {len(failed)} failed", err=True)
+        tell(f"  {count:6d} {severity}[{code}]", err=True)
+    tell(f"batch: {counts[0]} ok, {len(failed)} failed", err=True)
     for name in failed:
-        click.echo(f"  failed: {name}", err=True)
+        tell(f"  failed: {name}", err=True)
     return max(counts, default=0)

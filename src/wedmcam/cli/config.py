@@ -13,6 +13,7 @@ import click
 
 from wedmcam.cli import settings
 from wedmcam.cli.settings import COMMANDS, META, Configured, InForce
+from wedmcam.cli.tell import tell
 
 
 def config_command(group: click.Group) -> Configured:
@@ -47,18 +48,16 @@ def _config(**_: Any) -> int:
         say.say_json(_data(rows, made))
         return 0
     for file in made.files:
-        click.echo(f"# {file.name}")
+        tell(f"# {file.name}")
     if not made.files:
         folders = settings.places(settings.folder_of(ctx.params.get("input_")))
-        click.echo(
-            f"# no {settings.NAME} in {folders[0].parent} or above, or in {folders[-1].parent}"
-        )
+        tell(f"# no {settings.NAME} in {folders[0].parent} or above, or in {folders[-1].parent}")
     width = max(len(_text(row["value"])) for row in rows)
     for row in rows:
-        click.echo(f"{row['key']:16} {_text(row['value']):{width}}  {_origin(row)}")
+        tell(f"{row['key']:16} {_text(row['value']):{width}}  {_origin(row)}")
     for setting, why in made.aside:
         place = f"{setting.span.file}:{setting.span.line}"
-        click.echo(f"# not in force: {setting.key} of {place}: {why}")
+        tell(f"# not in force: {setting.key} of {place}: {why}")
     return 0
 
 

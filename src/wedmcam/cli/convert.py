@@ -10,9 +10,10 @@ import click
 
 from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
-from wedmcam.cli.lengths import LENGTH
+from wedmcam.cli.lengths import DEGREES, length
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_for
+from wedmcam.cli.tell import tell
 
 
 @click.command("convert", cls=ReadsPrograms)
@@ -21,9 +22,14 @@ from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_
 @click.option("--to", metavar="FORMAT", help="Of the output; by default from its name.")
 @click.option("--format", "format_", metavar="FORMAT", help="Of PROGRAM; else by name, content.")
 @click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
-@click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99.")
-@click.option("--angle", type=float, default=0.0, help="Degrees from copy to copy.")
-@click.option("--gap", "gap_um", type=LENGTH, help="Of a compensation or 4B file.")
+@click.option(
+    "--copies",
+    type=click.IntRange(0, 99),
+    default=0,
+    help="Of a figure in rotation format, 1 to 99.",
+)
+@click.option("--angle", type=DEGREES, default=0.0, help="Degrees from copy to copy.")
+@click.option("--gap", "gap_um", type=length("gap_um"), help="Of a compensation or 4B file.")
 @click.option(
     "--side",
     type=click.Choice(["part", "die"]),
@@ -92,15 +98,15 @@ def convert_command(
     say.say_findings(made.findings, name, quiet)
     if made.data is None:
         if Path(output).exists() and output != "-":
-            click.echo(f"nothing was written; {output} is as it was", err=True)
+            tell(f"nothing was written; {output} is as it was", err=True)
         else:
-            click.echo("nothing was written", err=True)
+            tell("nothing was written", err=True)
     else:
         write_outputs([(output, made.data)])
         if not quiet:
             as_set = machine_in is not None and not (profile_in or format_)
             read_as = f"; read as {made.machine_in.name}" if as_set else ""
-            click.echo(_line(made, output, target) + read_as, err=True)
+            tell(_line(made, output, target) + read_as, err=True)
     if json_:
         say.say_json(_summary(made, program, output, target))
     return made.status

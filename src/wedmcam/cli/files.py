@@ -70,17 +70,23 @@ def check_outputs(inputs: Sequence[str], outputs: Sequence[str]) -> None:
     Raises:
         click.UsageError: exit status 2.
     """
-    taken = {Path(i).resolve() for i in inputs if i != "-"}
+    taken = {os.path.realpath(i) for i in inputs if i != "-"}
     for name in outputs:
         if name == "-":
             continue
-        place = Path(name).resolve()
+        place = os.path.realpath(name)
         if place in taken:
             raise click.UsageError(f"the output {name} would overwrite an input or another output")
-        if place.is_dir():
+        if os.path.isdir(place):
             raise click.UsageError(f"the output {name} is a folder")
-        if not place.parent.is_dir():
-            raise click.UsageError(f"there is no folder {place.parent} for the output {name}")
+        if not os.path.isdir(folder := os.path.dirname(place)):
+            raise click.UsageError(f"there is no folder {folder} for the output {name}")
+        try:
+            os.stat(name)
+        except FileNotFoundError:
+            pass
+        except OSError as why:  # links in a circle, a name that is too long
+            raise click.UsageError(f"the output {name} cannot be written: {why.strerror}") from why
         taken.add(place)
     if list(outputs).count("-") > 1:
         raise click.UsageError("only one output can be standard output")
@@ -103,24 +109,25 @@ def write_outputs(outputs: Sequence[tuple[str, bytes]]) -> None:
     Raises:
         Failed: nothing was replaced.
     """
-    made: list[tuple[str, str]] = []
+    made: list[tuple[str, str, str]] = []
+    name = ""
     try:
         for name, data in outputs:
             if name == "-":
                 continue
             if _is_device(name):
                 continue
-            place = Path(name).resolve()
+            place = Path(os.path.realpath(name))
             beside = str(place.parent / f".{place.name[:50]}.{secrets.token_hex(4)}")
-            made.append((beside, str(place)))
+            made.append((beside, str(place), name))
             UNFINISHED.add(beside)
             with open(beside, "xb") as file:
                 file.write(data)
             os.chmod(beside, _mode(place))
-        for beside, place_name in made:
+        for beside, place_name, name in made:  # noqa: B007 - named where it fails
             os.replace(beside, place_name)
     except OSError as why:
-        raise Failed(f"{why.filename or 'output'}: cannot be written: {why.strerror}") from why
+        raise Failed(f"{name}: cannot be written: {why.strerror}") from why
     finally:
         remove_unfinished()
     for name, data in outputs:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any
 
 import click
 
+from wedmcam.ranges import LENGTHS, MOST_UM, PLACE, Range
+
 UM = {"": 1000.0, "mm": 1000.0, "um": 1.0, "µm": 1.0, "in": 25400.0, "inch": 25400.0, '"': 25400.0}
 PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zµ\"]*)\s*$")
-#: Larger lengths are typing errors: 100 m.
-MOST_UM = 1e8
 
 
 def length_um(text: str) -> float:
@@ -26,24 +27,83 @@ def length_um(text: str) -> float:
     if not found or found[2] not in UM:
         raise ValueError(f"'{text}' is no length: write 0.1, 0.1mm, 100um or 0.004in")
     value = round(float(found[1]) * UM[found[2]], 6)
-    if abs(value) > MOST_UM:
+    if not abs(value) <= MOST_UM:
         raise ValueError(f"'{text}' is longer than 100 m")
     return value
 
 
 class Length(click.ParamType):  # type: ignore[type-arg]
-    """A length, as um."""
+    """A length of a range, as um."""
 
     name = "length"
+
+    def __init__(self, takes: Range) -> None:
+        self.takes = takes
 
     def convert(self, value: Any, param: Any, ctx: Any) -> float:
         """Return um; a wrong one is wrong use."""
         if isinstance(value, float):
             return value
         try:
-            return length_um(value)
+            um = length_um(value)
         except ValueError as why:
             self.fail(str(why), param, ctx)
+        if not self.takes.holds(um):
+            self.fail(f"takes {self.takes}, not '{value}'", param, ctx)
+        return um
+
+
+def length(name: str) -> Length:
+    """Return the type of an option by its parameter's name: its range stands in `ranges`."""
+    return Length(LENGTHS[name])
+
+
+class Cuts(click.ParamType):  # type: ignore[type-arg]
+    """2-5 as (2, 5), and 4 as (4, 4): contours of a program."""
+
+    name = "a-b"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
+        """Return the first and the last; a wrong one is wrong use."""
+        if isinstance(value, tuple):
+            return value
+        found = re.fullmatch(r"\s*([0-9]{1,9})(?:\s*-\s*([0-9]{1,9}))?\s*", value)
+        first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
+        if not 1 <= first <= last:
+            self.fail(f"'{value}' is no range of contours such as 2-5", param, ctx)
+        return first, last
+
+
+class Unit(click.ParamType):  # type: ignore[type-arg]
+    """A unit or a length with one, as it was typed."""
+
+    name = "unit"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> str:
+        """Return the text; a wrong one is wrong use."""
+        from wedmcam.options import nm_of
+
+        try:
+            nm_of(value)
+        except ValueError as why:
+            self.fail(str(why), param, ctx)
+        return str(value)
+
+
+class Degrees(click.ParamType):  # type: ignore[type-arg]
+    """An angle of a full turn at most, degrees."""
+
+    name = "degrees"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> float:
+        """Return degrees; a wrong one is wrong use."""
+        try:
+            degrees = float(value)
+        except ValueError:
+            degrees = math.nan
+        if not abs(degrees) <= 360:
+            self.fail(f"takes -360 to 360 degrees, not '{value}'", param, ctx)
+        return degrees
 
 
 class Point(click.ParamType):  # type: ignore[type-arg]
@@ -101,6 +161,9 @@ class OfLayer(click.ParamType):  # type: ignore[type-arg]
         return name.strip(), self.of.convert(said.strip(), param, ctx)
 
 
-LENGTH = Length()
+CUTS = Cuts()
+DEGREES = Degrees()
+LENGTH = Length(PLACE)
 OFFSET = Offset()
 POINT = Point()
+UNIT = Unit()

@@ -21,10 +21,11 @@ from wedmcam.cli.files import (
     read_program,
     write_outputs,
 )
-from wedmcam.cli.lengths import LENGTH, POINT
+from wedmcam.cli.lengths import POINT, length
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import Configured, ReadsPrograms, also_read, machine_for, typed
+from wedmcam.cli.tell import tell
 
 if TYPE_CHECKING:
     from wedmcam.diag import Diagnostic
@@ -126,9 +127,9 @@ def compile_command(
     made, apart = _compiled(input_, machine, output, asked)
     if not made.ok:
         if Path(output).exists() and output != "-":
-            click.echo(f"nothing was written; {output} is as it was", err=True)
+            tell(f"nothing was written; {output} is as it was", err=True)
         else:
-            click.echo("nothing was written", err=True)
+            tell("nothing was written", err=True)
         return int(made.status)
     assert made.data is not None
     from wedmcam.targets import target_of
@@ -377,25 +378,25 @@ def _say_proof(proof: Any, verbose: bool) -> None:
 
     if proof.verdict is not None:
         v = proof.verdict
-        click.echo(
+        tell(
             f"contours   {v.contours}, {v.blocks} blocks, {v.steps} steps, {v.path_mm:.3f} mm, "
             f"starts at ({v.origin_um[0] / 1000:.3f}, {v.origin_um[1] / 1000:.3f}) mm",
             err=True,
         )
-        click.echo(say.proof_line(proof), err=True)
+        tell(say.proof_line(proof), err=True)
         if verbose:
             t = v.table
-            click.echo("block    cut        ends at (mm)   error um     right      left", err=True)
+            tell("block    cut        ends at (mm)   error um     right      left", err=True)
             for k in range(len(t.block)):
                 x, y = t.stepped[k] / 1000
-                click.echo(
+                tell(
                     f"{t.block[k]:5d} {t.cut[k]:6d} {x:10.3f} {y:10.3f} {t.error[k]:8.2f} "
                     f"{t.low[k]:9.2f} {t.high[k]:9.2f}",
                     err=True,
                 )
         for image in proof.summary.get("metamorphic", ()):
             off = "-" if image["deviation_um"] is None else f"{image['deviation_um']:.2f} um"
-            click.echo(f"image      {image['name']}: {off} {image['why']}".rstrip(), err=True)
+            tell(f"image      {image['name']}: {off} {image['why']}".rstrip(), err=True)
     elif proof.program is not None and proof.ok:
         say.say_figures(proof)
 
@@ -403,7 +404,9 @@ def _say_proof(proof: Any, verbose: bool) -> None:
 @cli.command("diff", cls=ReadsPrograms, short_help="Compare two programs as step paths.")
 @click.argument("a")
 @click.argument("b")
-@click.option("--within", "within_um", type=LENGTH, default="1um", help="As far apart is equal.")
+@click.option(
+    "--within", "within_um", type=length("within_um"), default="1um", help="As far apart is equal."
+)
 @click.option("--profile", metavar="NAME|FILE", help="Of the first; by name and content else.")
 @click.option("--profile-b", metavar="NAME|FILE", help="Of the second.")
 @ask.d_option
@@ -615,7 +618,7 @@ def identify_command(file: str, json_: bool) -> int:
     else:
         from wedmcam.cli.tables import memory_of
 
-        click.echo(f"{file}: {seen.reason}{memory_of(seen)}")
+        tell(f"{file}: {seen.reason}{memory_of(seen)}")
     return 1 if seen.format in ("unknown", "empty") else 0
 
 
@@ -678,7 +681,7 @@ def dump_command(
     else:
         for line in dump_lines(program, used):
             more = said.get((line[7:].split() or [""])[0], "")
-            click.echo(f"{line}   {more}" if more else line)
+            tell(f"{line}   {more}" if more else line)
     return 1 if has_errors(found) else 0
 
 
@@ -702,7 +705,7 @@ def explain_command(
     from wedmcam.cli.explain import explained, listed, unknown
 
     if list_:
-        click.echo(listed())
+        tell(listed())
         return 0
     if what is None:
         raise click.UsageError("give a CODE, FILE --block N, or --list")
@@ -711,7 +714,7 @@ def explain_command(
     text = explained(what)
     if text is None:
         raise click.UsageError(unknown(what))
-    click.echo(text)
+    tell(text)
     return 0
 
 
@@ -741,7 +744,7 @@ def _explain_block(
     if number > len(program.blocks):
         raise click.UsageError(f"{file} has {len(program.blocks)} blocks, there is no {number}")
     for line in explain_block(program, used, data, number):
-        click.echo(line)
+        tell(line)
     return 0
 
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from wedmcam.cli.tell import tell
+
 if TYPE_CHECKING:
     from wedmcam.diag import Diagnostic
     from wedmcam.machines import Machine
@@ -41,7 +43,7 @@ def profile_list(json_: bool) -> int:
         return 0
     for row in rows:
         mark = " (default)" if row["default"] else ""
-        click.echo(f"{row['name']:18}  {row['format']:12}  {row['title']}{mark}")
+        tell(f"{row['name']:18}  {row['format']:12}  {row['title']}{mark}")
     return 0
 
 
@@ -58,7 +60,7 @@ def profile_show(name: str, json_: bool) -> int:
     if machine is None:
         return 2
     if not json_:
-        click.echo(as_toml(machine), nl=False)
+        tell(as_toml(machine), nl=False)
         return 0
     tables: dict[str, dict[str, Any]] = {}
     for entry in entries(machine):
@@ -82,7 +84,7 @@ def profile_check(file: str, json_: bool) -> int:
         told = {"file": file, "ok": machine is not None, "name": machine.name if machine else None}
         say.say_json({**told, "diagnostics": [finding_data(d) for d in found]})
     elif machine is not None:
-        click.echo(f"{file}: {machine.format}, {machine.title}")
+        tell(f"{file}: {machine.format}, {machine.title}")
     return 0 if machine is not None else 2
 
 
@@ -142,8 +144,8 @@ def _probe_written(output: str, profile: str) -> int:
     for part, name in names.items():
         box = (v * machine.axes.step_um / 1000 for v in probe.extents(part))
         x0, y0, x1, y1 = box
-        click.echo(f"{name}  needs x {x0:g} to {x1:g}, y {y0:g} to {y1:g} mm around the start")
-    click.echo(f"{stem}.txt  the sheet: fill it in, then wedmcam profile probe --read {stem}.txt")
+        tell(f"{name}  needs x {x0:g} to {x1:g}, y {y0:g} to {y1:g} mm around the start")
+    tell(f"{stem}.txt  the sheet: fill it in, then wedmcam profile probe --read {stem}.txt")
     return 0
 
 
@@ -157,8 +159,8 @@ def _probe_read(name: str) -> int:
     told, more = probe.answers(readings, name)
     say.say_findings([*found, *more], name, texts={name: text})
     if told or readings.moved:
-        click.echo("# Of a profile: start one with `wedmcam profile show b3-compact`.")
-        click.echo(probe.toml(told, readings.moved), nl=False)
+        tell("# Of a profile: start one with `wedmcam profile show b3-compact`.")
+        tell(probe.toml(told, readings.moved), nl=False)
     elif not found and not more:
         raise click.UsageError(f"{name}: nothing is filled in")
     return 1 if found or more else 0

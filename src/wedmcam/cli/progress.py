@@ -60,6 +60,8 @@ class Bar:
             TimeElapsedColumn,
         )
 
+        from wedmcam.diag import visible
+
         columns: list[Any] = [TextColumn("{task.description}", markup=False), BarColumn()]
         if self._total is not None:
             columns.append(MofNCompleteColumn())
@@ -71,7 +73,7 @@ class Bar:
             redirect_stdout=False,
             redirect_stderr=False,
         )
-        self._task = live.add_task(self._what, total=self._total)
+        self._task = live.add_task(visible(self._what), total=self._total)
         # The time since the work began, not since it was shown.
         live.tasks[0].start_time = live.get_time() - (time.monotonic() - self._start)
         return live

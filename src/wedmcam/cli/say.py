@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Collection, Mapping
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.diag import Diagnostic, Severity, TextSpan
+from wedmcam.cli.tell import tell
+from wedmcam.diag import Diagnostic, Severity, TextSpan, json_text
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation, Proof
@@ -52,25 +52,28 @@ def say_findings(
 
 def say_error(message: str, hint: str = "") -> None:
     """Print an error that is about no place: wrong use, a file that cannot be read."""
+    from wedmcam.diag.shown import shortened, visible
+
     head = "\x1b[31;1merror\x1b[0m" if coloured() else "error"
-    click.echo(f"{head}: {message}" + (f"\n  hint: {hint}" if hint else ""), err=True)
+    said = visible(shortened(message), keep="\n")
+    click.echo(f"{head}: {said}" + (f"\n  hint: {visible(hint)}" if hint else ""), err=True)
 
 
 def say_json(data: Any) -> None:
     """Print data as JSON on standard output."""
-    click.echo(json.dumps(data, indent=2, ensure_ascii=False))
+    tell(json_text(data, 2))
 
 
 def certificate_bytes(data: dict[str, Any]) -> bytes:
     """Return a certificate as it is written to a file."""
-    return (json.dumps(data, indent=2, ensure_ascii=False) + "\n").encode("utf-8")
+    return (json_text(data, 2) + "\n").encode("utf-8")
 
 
 def map_bytes(data: dict[str, Any]) -> bytes:
     """Return a map as it is written to a file: a line a block, for large programs are long."""
     head = {k: v for k, v in data.items() if k != "blocks"}
-    top = json.dumps(head, indent=2, ensure_ascii=False)[:-2]
-    rows = ",\n".join("    " + json.dumps(row, ensure_ascii=False) for row in data["blocks"])
+    top = json_text(head, 2)[:-2]
+    rows = ",\n".join("    " + json_text(row) for row in data["blocks"])
     return f'{top},\n  "blocks": [\n{rows}\n  ]\n}}\n'.encode()
 
 
@@ -90,7 +93,7 @@ def say_time(summary: dict[str, Any], feed_um: float | None) -> None:
     if "minutes" in timed:
         whole = round(timed["minutes"])
         hours = f" ({whole // 60} h {whole % 60:02d} min)" if whole >= 60 else ""
-        click.echo(
+        tell(
             f"time       {timed['minutes']:.1f} min{hours} of cutting at "
             f"{timed['feed_mm_per_min']:.3f} mm/min",
             err=True,
@@ -101,7 +104,7 @@ def say_difference(d: Difference, a: str, b: str) -> None:
     """Print how two programs differ, on standard output: it is what was asked for."""
     if d.equal:
         apart = f"at most {d.largest_um:.2f} um apart" if d.largest_um else "the same places"
-        click.echo(f"equal: {apart}")
+        tell(f"equal: {apart}")
         return
     x, y = d.at[0] / 1000 + 0.0, d.at[1] / 1000 + 0.0
     away = f"{d.distance_um:.2f} um apart" if d.distance_um < float("inf") else d.what
@@ -109,7 +112,7 @@ def say_difference(d: Difference, a: str, b: str) -> None:
         f"block {n} of {name}" if n else f"the end of {name}"
         for n, name in ((d.block_a, a), (d.block_b, b))
     )
-    click.echo(
+    tell(
         f"different: {away} at ({x:.3f}, {y:.3f}) mm from the start, in {names}; up to there at "
         f"most {d.largest_um:.2f} um"
     )
@@ -133,7 +136,7 @@ def say_figures(proof: Proof) -> None:
         f"limits     the largest J is {most:.3f} of {limit:.3f} mm",
         "give --against DRAWING to prove the part",
     ):
-        click.echo(line, err=True)
+        tell(line, err=True)
 
 
 def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
@@ -151,14 +154,14 @@ def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
         f"profile {made.machine.name}",
         proof_line(made),
     ):
-        click.echo(line, err=True)
+        tell(line, err=True)
     if made.entries is not None and made.entries.d:
         pairs = ", ".join(f"{name} = {length}" for name, length in made.entries.lines())
-        click.echo(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
+        tell(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
     if made.entries is not None and made.entries.gap_um is not None:
         side = "die (inwards)" if v.side == "die" else "part (outwards)"
         gap = f"gap {v.offset_um / 1000:.3f} mm, {side}"
-        click.echo(f"enter      {gap}, at the controller: it offsets arcs itself", err=True)
+        tell(f"enter      {gap}, at the controller: it offsets arcs itself", err=True)
     if verbose:
         _say_cuts(made)
 
@@ -167,20 +170,18 @@ def _say_cuts(made: Compilation) -> None:
     """Print the contours in the order of cutting, and the options that are no defaults."""
     assert made.verdict is not None
     assert made.plan is not None
-    click.echo(
-        "cut     blocks         thread point mm    length mm  deviation um  closure um", err=True
-    )
+    tell("cut     blocks         thread point mm    length mm  deviation um  closure um", err=True)
     for c, cut in zip(made.verdict.cuts, made.plan.cuts, strict=False):
         x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
         blocks = f"{c.first_block}-{c.last_block}"
         closure = "open" if c.closure_um is None else f"{c.closure_um:.0f}"
-        click.echo(
+        tell(
             f"{c.number:3d} {blocks:>10} {x:12.3f} {y:12.3f} {c.length_mm:12.3f} "
             f"{c.max_deviation_um:13.2f} {closure:>11}",
             err=True,
         )
     asked = ", ".join(f"{k} {v}" for k, v in made.summary.get("options", {}).items())
-    click.echo(f"options    {asked or 'all by default'}", err=True)
+    tell(f"options    {asked or 'all by default'}", err=True)
 
 
 def say_arithmetic(apart: dict[str, Any]) -> None:
@@ -189,7 +190,7 @@ def say_arithmetic(apart: dict[str, Any]) -> None:
         return
     um = apart["arithmetic_difference_um"]
     told = "one of them refuses this part" if um is None else f"up to {um:.4f} um apart"
-    click.echo(f"arithmetic decimal8 and float64: wire paths {told}", err=True)
+    tell(f"arithmetic decimal8 and float64: wire paths {told}", err=True)
 
 
 def _size(drawn: Any) -> str:

@@ -193,18 +193,12 @@ def _placed(text: str, key: str) -> tuple[int, int, int, int, int]:
 
 def read(text: str, name: str, folder: Path, known: Mapping[str, click.Option]) -> File:
     """Return the settings of one file; everything that is wrong with it at once."""
-    import tomllib
-
     from wedmcam.diag import TextSpan, error
+    from wedmcam.diag.toml import read_toml
 
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as wrong:
-        at = re.search(r"at line (\d+), column (\d+)", str(wrong))
-        last = text.count("\n") + 1
-        span = TextSpan(name, int(at[1]), int(at[2])) if at else TextSpan(name, last, 1)
-        what = re.sub(r"\s*\(at .*\)$", "", str(wrong))
-        return File(name, {}, (error("settings-syntax", f"not TOML: {what}", span),), text)
+    data, wrong = read_toml(text, name, "settings-syntax")
+    if wrong is not None:
+        return File(name, {}, (wrong,), text)
     settings: dict[str, Setting] = {}
     found: list[Diagnostic] = []
     flat, bad = _of_layers(data, text, name, known)

@@ -11,6 +11,7 @@ import click
 from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.progress import waiting
+from wedmcam.cli.tell import tell
 
 
 def compile_several(
@@ -59,7 +60,7 @@ def compile_several(
         )
     say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
     if not made.ok:
-        click.echo("nothing was written", err=True)
+        tell("nothing was written", err=True)
         return made.status
     files: list[tuple[str, bytes]] = []
     for one, to_, issued, mapped in zip(
@@ -78,7 +79,7 @@ def compile_several(
     if not asked["quiet"]:
         for one, to_ in zip(made.made, names, strict=True):
             say.say_report(one, to_, asked["verbose"])
-        click.echo(
+        tell(
             f"the same path in {len(names)} formats: at most {max(made.apart_um):.2f} um apart",
             err=True,
         )

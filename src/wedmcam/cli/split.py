@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import click
-
 from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.progress import waiting
+from wedmcam.cli.tell import tell
 from wedmcam.machines import Machine
 
 
@@ -43,7 +42,7 @@ def compile_split(
     for k, made in enumerate(loads, 1):
         say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
         if not made.ok:
-            click.echo("nothing was written", err=True)
+            tell("nothing was written", err=True)
             if asked["json_"]:
                 say.say_json(made.summary)
             return int(made.status)
@@ -69,7 +68,7 @@ def compile_split(
             if moved is not None:
                 dx, dy = (v / 1000 for v in moved["move_um"])
                 x, y = (v / 1000 for v in moved["start_um"])
-                click.echo(
+                tell(
                     f"move       wire cut, from the end of load {k - 1} by ({dx:.3f}, {dy:.3f}) mm "
                     f"to the thread point ({x:.3f}, {y:.3f}) mm of load {k}",
                     err=True,

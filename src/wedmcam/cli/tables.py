@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
-import click
+from wedmcam.cli.tell import tell
 
 if TYPE_CHECKING:
     from wedmcam.frontends.identify import Identification
@@ -116,15 +116,15 @@ def say_inspection(f: dict[str, Any], verbose: bool) -> None:
             text += " or more"
         rows.append(("offset up to", text.rstrip()))
     for name, text in rows:
-        click.echo(f"{name:13}{text}")
+        tell(f"{name:13}{text}")
     listed = f["list"] if verbose else f["list"][:20]
     for c in listed:
         inside = f" in {c['inside']}" if c["inside"] else ""
         area = f", {c['area_mm2']:.3f} mm2" if c["area_mm2"] is not None else ""
-        click.echo(
+        tell(
             f"{c['number']:5d} {c['role']}{inside}: {c['lines']} lines, {c['arcs']} arcs, "
             f"{c['length_mm']:.3f} mm{area}, {_at(c['extents_mm'][:2])} to "
             f"{_at(c['extents_mm'][2:])}  {c['first'] or ''}"
         )
     if len(f["list"]) > len(listed):
-        click.echo(f"      and {len(f['list']) - len(listed)} more (-v lists all)")
+        tell(f"      and {len(f['list']) - len(listed)} more (-v lists all)")

@@ -7,12 +7,15 @@ reported like a fault, so that nothing happens to a drawing in silence.
 
 from __future__ import annotations
 
+from wedmcam.diag.capped import LISTED, capped
 from wedmcam.diag.codes import CODES, Code
 from wedmcam.diag.finding import Diagnostic, Severity, error, has_errors, note, warning
+from wedmcam.diag.shown import json_text, shortened, visible
 from wedmcam.diag.span import ByteSpan, EntityRef, FileSpan, Span, TextSpan, option_texts
 
 __all__ = [
     "CODES",
+    "LISTED",
     "ByteSpan",
     "Code",
     "Diagnostic",
@@ -21,9 +24,13 @@ __all__ = [
     "Severity",
     "Span",
     "TextSpan",
+    "capped",
     "error",
     "has_errors",
+    "json_text",
     "note",
     "option_texts",
+    "shortened",
+    "visible",
     "warning",
 ]

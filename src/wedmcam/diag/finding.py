@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wedmcam.diag.codes import CODES
+from wedmcam.diag.shown import shortened
 from wedmcam.diag.span import Span
 
 
@@ -29,12 +30,14 @@ class Diagnostic:
     Attributes:
         severity: note, warning or error.
         code: a key of ``diag.codes.CODES``.
-        message: what is wrong, with numbers (mm) and places.
+        message: what is wrong, with numbers (mm) and places; of `shown.LONGEST` characters at most.
         span: where, or None when it is about no place.
         notes: further sentences, each with a place of its own.
         hint: how to mend it.
         points_mm: places in the drawing, (x, y) in mm, that a picture can mark.
-        count: how many equal findings this one stands for.
+        count: how many things of the drawing or program it is about.
+        times: how often this very finding was made.
+        rest: it stands for findings of its kind that are not listed (see `capped`).
     """
 
     severity: Severity
@@ -45,9 +48,12 @@ class Diagnostic:
     hint: str | None = None
     points_mm: tuple[tuple[float, float], ...] = ()
     count: int = 1
+    times: int = 1
+    rest: bool = False
 
     def __post_init__(self) -> None:
         assert self.code in CODES, f"finding with an unlisted code: {self.code}"
+        object.__setattr__(self, "message", shortened(self.message))
 
 
 def error(code: str, message: str, span: Span | None = None, **more: Any) -> Diagnostic:

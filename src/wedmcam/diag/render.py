@@ -6,22 +6,25 @@ import unicodedata
 from collections.abc import Iterable
 from dataclasses import replace
 
+from wedmcam.diag.capped import capped
 from wedmcam.diag.finding import Diagnostic, Severity
-from wedmcam.diag.span import EntityRef, TextSpan
+from wedmcam.diag.shown import shortened, visible
+from wedmcam.diag.span import EntityRef, Span, TextSpan
 
 COLOURS = {Severity.ERROR: "31;1", Severity.WARNING: "33;1", Severity.NOTE: "36"}
 
+#: A place that is longer (a name of a layer is any text) is cut in its middle, characters.
+PLACE = 300
+#: Of a longer line so many characters are shown.
+WINDOW = 160
+
 
 def merged(found: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Return the findings with equal ones (same code, place and sentence) counted as one.
-
-    A finding that stands for many by itself says so in its sentence: it counts as one here.
-    """
+    """Return the findings, capped, with equal ones (same code, place and sentence) made one."""
     seen: dict[tuple[object, ...], Diagnostic] = {}
-    for d in found:
+    for d in capped(found):
         key = (d.severity, d.code, d.message, str(d.span))
-        count = seen[key].count + 1 if key in seen else 1
-        seen[key] = replace(d, count=count)
+        seen[key] = replace(d, times=seen[key].times + d.times) if key in seen else d
     return list(seen.values())
 
 
@@ -37,39 +40,64 @@ def render(found: Diagnostic, file: str = "", colour: bool = False, text: str | 
     a.dxf:#2F layer CUT: error[open-contour]: ends 0.137 mm short
       hint: --join 0.15
     """
-    place = str(found.span) if found.span is not None else file
+    place = _place(found.span) if found.span is not None else _plain(file)
     head = f"{found.severity}[{found.code}]"
     if colour:
         head = f"\x1b[{COLOURS[found.severity]}m{head}\x1b[0m"
-    times = f" (x {found.count})" if found.count > 1 else ""
-    lines = [f"{place}: {head}: {found.message}{times}" if place else f"{head}: {found.message}"]
+    times = f" (x {found.times})" if found.times > 1 else ""
+    said = f"{head}: {visible(found.message)}{times}"
+    lines = [f"{place}: {said}" if place else said]
     if text is not None and isinstance(found.span, TextSpan):
         lines += excerpt(text, found.span)
     for what, span in found.notes:
-        kind = f"{span.dxftype} " if isinstance(span, EntityRef) else ""
-        lines.append(f"  = {what}" + (f" ({kind}{span})" if span is not None else ""))
+        kind = f"{_plain(span.dxftype)} " if isinstance(span, EntityRef) else ""
+        where = f" ({kind}{_place(span)})" if span is not None else ""
+        lines.append(f"  = {_plain(what)}{where}")
     if found.hint:
-        lines.append(f"  hint: {found.hint}")
+        lines.append(f"  hint: {_plain(found.hint)}")
     return "\n".join(lines)
+
+
+def _plain(text: str) -> str:
+    return visible(shortened(text))
+
+
+def _place(span: Span) -> str:
+    return visible(shortened(str(span), PLACE))
 
 
 def excerpt(text: str, span: TextSpan) -> list[str]:
     r"""Return the line that a span is in, and a line that marks it; empty where there is none.
 
-    Tabs are kept and wide characters count two, so that the mark stands below what it means.
+    Tabs are kept and wide characters count two, so that the mark stands below what it means. Of a
+    line longer than `WINDOW` characters the part around the mark is shown.
 
     >>> print(*excerpt("a = 1\nofset = 0.1\n", TextSpan("x", 2, 1, 5)), sep="\n")
         2 | ofset = 0.1
           | ^~~~~
     """
-    lines = text.split("\n")
-    if not 1 <= span.line <= len(lines):
+    begin = 0
+    for _ in range(span.line - 1):
+        begin = text.find("\n", begin) + 1
+        if not begin:
+            return []
+    end = text.find("\n", begin)
+    end = len(text) if end < 0 else end
+    if span.line < 1:
         return []
-    line = lines[span.line - 1].rstrip("\r")
-    before, marked = line[: span.column - 1], line[span.column - 1 :][: max(1, span.length)]
+    mark = begin + span.column - 1
+    if end - begin > WINDOW:
+        begin = max(begin, min(mark - WINDOW // 2, end - WINDOW))
+        end = min(end, begin + WINDOW)
+    line = text[begin:end].rstrip("\r")
+    at = max(0, mark - begin)
+    before, marked = (
+        visible(part, "\t") for part in (line[:at], line[at : at + max(1, span.length)])
+    )
+    line = visible(line, "\t")
     blank = "".join("\t" if c == "\t" else " " * _width(c) for c in before)
-    mark = "^" + "~" * (sum(map(_width, marked)) - 1)
-    return [f"{span.line:5d} | {line}", f"      | {blank}{mark}"]
+    below = "^" + "~" * (sum(map(_width, marked)) - 1)
+    return [f"{span.line:5d} | {line}", f"      | {blank}{below}"]
 
 
 def _width(character: str) -> int:

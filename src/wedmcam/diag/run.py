@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
+from wedmcam.diag.capped import capped
 from wedmcam.diag.finding import Diagnostic, Severity, has_errors
 
 T = TypeVar("T")
@@ -29,7 +30,8 @@ class Run:
 
     Attributes:
         strict: warnings are errors.
-        found: all findings, in the order in which they were made.
+        found: the findings in the order in which they were made, of each kind as many as `capped`
+            keeps.
         values: of the stages that came through, by their names, the last of each.
     """
 
@@ -52,7 +54,7 @@ class Run:
     def add(self, stage: str, found: Iterable[Diagnostic]) -> None:
         """Take findings over; refuse if there is an error among them."""
         new = [self._judged(d) for d in found]
-        self.found += new
+        self.found = capped([*self.found, *new])
         if has_errors(new):
             raise Refused(stage)
 

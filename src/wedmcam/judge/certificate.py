@@ -60,7 +60,7 @@ def finding_data(found: Diagnostic) -> dict[str, Any]:
         "at": span_data(found.span),
         "points_mm": [[_plain(x), _plain(y)] for x, y in found.points_mm],
         "hint": found.hint,
-        "count": found.count,
+        "count": found.count * found.times,
     }
 
 

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import difflib
 import re
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
+from wedmcam.diag.toml import read_toml
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
@@ -52,7 +52,7 @@ def _lines(value: list[Any]) -> bool:
 
 
 def _pair(value: list[Any]) -> bool:
-    return len(value) == 2 and all(type(v) is int and v > 0 for v in value)
+    return len(value) == 2 and all(type(v) is int and 0 < v <= _UM for v in value)
 
 
 _B3 = ("3b", "4b")
@@ -87,9 +87,10 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
     "limits": {
         # 3B fields have six digits; the compact format stores J in three BCD bytes, a line's x and
         # y in three and an arc's in four.
-        "count_um": _whole(1, 999_999, True),
-        "line_um": _whole(1, 999_999, True),
-        "arc_um": _whole(1, 99_999_999, True),
+        # Below a millimetre a plate would take a million blocks, and no controller is so small.
+        "count_um": _whole(1000, 999_999, True),
+        "line_um": _whole(1000, 999_999, True),
+        "arc_um": _whole(1000, 99_999_999, True),
         "memory_bytes": _whole(18, _UM, formats=_BINARY),
         "blocks": _whole(1, _UM, formats=_READABLE),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
@@ -227,13 +228,9 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
     Returns:
         The machine, or None when there are errors; all errors at once.
     """
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as wrong:
-        at = re.search(r"at line (\d+), column (\d+)", str(wrong))
-        span: Span = TextSpan(name, int(at[1]), int(at[2])) if at else FileSpan(name)
-        what = re.sub(r"\s*\(at .*\)$", "", str(wrong))
-        return None, [error("profile-syntax", f"not TOML: {what}", span)]
+    data, wrong = read_toml(text, name, "profile-syntax")
+    if wrong is not None:
+        return None, [wrong]
 
     format_ = data.get("format")
     known_format = format_ if format_ in FORMATS else "3b"

@@ -19,7 +19,7 @@ from dataclasses import astuple, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.diag import LISTED, Diagnostic, Span, error
 from wedmcam.geom.measure import segment_areas
 from wedmcam.geom.segments import Floats, Ints, boxes
 from wedmcam.ir.contour import VERTEX, Contour
@@ -40,8 +40,6 @@ from wedmcam.transforms.meetings import Placed, meetings
 
 Rows = NDArray[np.void]
 
-#: Of findings of one kind this many are listed; a summary stands for the rest.
-LISTED = 20
 #: Gaps above this are no drawing inaccuracy, um: no ``--join`` is proposed for them.
 PROPOSED_UM = 1000.0
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error, warning
+from wedmcam.diag import LISTED, Diagnostic, Span, error, warning
 from wedmcam.geom import crossings
 from wedmcam.geom.gaps import beside
 from wedmcam.geom.pairs import grown, self_overlapping
@@ -47,8 +47,6 @@ STEP_UM = 50.0
 #: Contours that meet at fewer places than this are not one that is drawn twice, if they do not
 #: cross at two at least.
 SEVERAL = 4
-#: Of findings of one kind this many are listed; a summary stands for the rest.
-LISTED = 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,8 +18,6 @@ from wedmcam.ir.part import CutItem, Part, Shape
 
 #: More characters than this are no program.
 MOST_TEXT = 20_000_000
-#: Errors that are listed; a summary stands for the rest.
-LISTED = 50
 
 
 def read(
@@ -57,9 +55,6 @@ def read(
     reader = _Reader(Source(text, file), Numbers(arithmetic), defines)
     part = reader.part()
     found = sorted(reader.scope.found, key=_place)
-    if len(found) > LISTED:
-        more = len(found) - LISTED
-        found = [*found[:LISTED], error("wed-syntax", f"{more} further findings like these")]
     return (None if has_errors(found) else part), found
 
 

@@ -157,5 +157,6 @@ def interference(
             )
         )
     if len(places) > LISTED:
-        found.append(make("interference", f"{len(places) - LISTED} further places like these"))
+        more = len(places) - LISTED
+        found.append(make("interference", f"{more} further places like these", count=more))
     return found

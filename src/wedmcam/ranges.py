@@ -1,0 +1,61 @@
+"""What values an option takes, as data: one table for the command line, settings and library.
+
+Whatever a user says is held against this where it is read, so that nothing deeper meets a length
+that is negative, endless or no number. Without imports: every command fetches it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+#: Longer lengths are typing errors: 100 m; um.
+MOST_UM = 1e8
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Lengths from ``least`` to ``most``, um; with ``none`` also 0, for nothing of it."""
+
+    least: float = -MOST_UM
+    most: float = MOST_UM
+    none: bool = False
+
+    def __str__(self) -> str:
+        words = f"{_mm(self.least)} to {_mm(self.most)}"
+        return f"0, or {words}" if self.none else words
+
+    def holds(self, um: Any) -> bool:
+        """Return whether a value is a length of this range."""
+        if isinstance(um, bool) or not isinstance(um, int | float) or not math.isfinite(um):
+            return False
+        return self.least <= um <= self.most or (self.none and um == 0)
+
+
+def _mm(um: float) -> str:
+    if abs(um) >= 1e6:
+        return f"{um / 1e6:g} m"
+    return f"{um / 1e3:g} mm" if abs(um) >= 1 else f"{um:g} um" if um else "0"
+
+
+#: Field of `options.Options`, or parameter of a command, in um -> what it takes.
+LENGTHS: dict[str, Range] = {
+    "join_um": Range(0.0),
+    # Arcs of a spline grow with the cube root of 1 / tolerance: a nanometre takes ten times as many
+    # as a micrometre, and no machine tells them apart.
+    "tolerance_um": Range(0.001, 10_000.0),
+    "offset_um": Range(0.0),
+    "wire_um": Range(0.001),
+    "gap_um": Range(0.0),
+    "clearance_um": Range(0.0),
+    "corner_um": Range(0.0),
+    "lead_um": Range(0.0),
+    # No step is shorter than 1 um.
+    "stop_um": Range(1.0, none=True),
+    "overcut_um": Range(1.0, none=True),
+    "feed_um": Range(0.001),
+    "within_um": Range(0.0),
+}
+#: Coordinates of a thread point or an origin, um.
+PLACE = Range()

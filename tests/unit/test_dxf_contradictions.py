@@ -286,7 +286,7 @@ def test_data_behind_the_end(binary):
     data = as_binary(bare(RING)) if binary else bare(RING)
     found = read(data + b"\nhello\nthere\n", "part.dxf")[1]
     (finding,) = found
-    assert f"{finding.severity}[{finding.code}]" == "warning[behind-end]"
+    assert f"{finding.severity}[{finding.code}]" == "note[behind-end]"
     assert ("12 bytes" if binary else "2 lines") in finding.message or binary
 
 

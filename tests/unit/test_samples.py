@@ -117,7 +117,7 @@ def test_sample_is_closed_and_cuttable(name: str) -> None:
     [
         ("cam", 2, ["approximated"], {}),
         ("cover", 8, ["approximated", "spline-circle"], {}),
-        ("damaged", 3, [*["repaired-drawing"] * 3, "approximated"], {"units": "mm"}),
+        ("damaged", 3, [*["repaired-drawing"] * 4, "approximated"], {"units": "mm"}),
     ],
 )
 @pytest.mark.parametrize("to", ["3b", "compact"])

@@ -42,8 +42,10 @@ CODES: dict[str, Code] = {
         "Resolve the conflict, or export the drawing again.",
     ),
     "repaired-drawing": Code(
-        "The file was completed in memory before reading, because the reader would lose data.",
-        "Without a version, polylines would lose their layer and their closed flag.",
+        "The file was put right in memory before reading: a version, subclass markers or handles "
+        "were missing or wrong, or a part of it that is not cut is damaged and was left out.",
+        "Without a version, polylines would lose their layer and their closed flag; without their "
+        "markers, their vertices.",
         "Nothing has to be done; exporting the drawing again as R2000 or later is cleaner.",
     ),
     "no-units": Code(
@@ -203,9 +205,14 @@ CODES: dict[str, Code] = {
         "CAD programs refuse the file or take either of them; both would be cut at every INSERT.",
         "Rename or remove one of them. Where nothing of the block is cut this is a warning.",
     ),
+    "misplaced-group": Code(
+        "A bulge of a polyline stands before its first vertex.",
+        "It belongs to no vertex and is not used; what is meant may be an arc.",
+        "Draw the polyline again, or move the line to its vertex.",
+    ),
     "behind-end": Code(
         "There are data behind the end mark (EOF) of a drawing.",
-        "They are not read; a second drawing joined to the first would be missing.",
+        "They are not read; a second drawing joined to the first would be missing (a warning).",
         "Save the second drawing as a file of its own, or remove what follows the mark.",
     ),
     "insert-count": Code(

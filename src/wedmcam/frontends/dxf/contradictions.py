@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Span, error, note, warning
+from wedmcam.frontends.dxf.repairs import MARKERS
 from wedmcam.frontends.dxf.tags import CODES, Tags
 
 Ints = NDArray[np.int64]
@@ -103,7 +104,7 @@ def contradictions(tags: Tags, reading: Reading) -> list[Diagnostic]:
     look = _Look(tags, reading)
     found = [*_sections(tags), *_variables(tags, reading), *_layers(tags), *_blocks(look)]
     groups: dict[tuple[str, str, str, Callable[..., Diagnostic]], list[_Fact]] = {}
-    for fact in (*_repeats(look), *_missing(look), *_counts(look)):
+    for fact in (*_repeats(look), *_joined(look), *_missing(look), *_counts(look), *_early(look)):
         groups.setdefault((fact.code, fact.subject, fact.what, fact.say), []).append(fact)
     hint = "export the drawing again, or correct the line named"
     for (code, subject, what, say), facts in groups.items():
@@ -175,10 +176,20 @@ class _Look:
         return len({self.reading.layer(name) for name in names}) == 1
 
     def fact(
-        self, code: str, mark: int, what: str, figures: str, at: int, same: bool = False
+        self,
+        code: str,
+        mark: int,
+        what: str,
+        figures: str,
+        at: int,
+        same: bool = False,
+        used: bool = True,
     ) -> _Fact:
-        """Return what is wrong with an entity: an error if it is read, a note if it is the same."""
-        say = note if same else error if self.is_read(mark) else warning
+        """Return what is wrong with an entity: an error if it is read, a note if it is the same.
+
+        ``used``: whether the program would depend on it; else it is a warning.
+        """
+        say = note if same else error if used and self.is_read(mark) else warning
         if say is error and int(self.tags.codes[at]) == 8 and self.on_layers_alike(mark):
             say = warning
         handle = self.tags.first(mark, 5)
@@ -321,6 +332,39 @@ def _repeats(look: _Look) -> Iterator[_Fact]:
             yield look.fact("stated-twice", mark, f"with {what}", figures, places[-1], same)
 
 
+def _joined(look: _Look) -> Iterator[_Fact]:
+    """Find entities with two handles or two markers of AcDbEntity: two in one, one of them lost.
+
+    The line between them is gone that names the type of the second.
+    """
+    tags = look.tags
+    for code in (5, 100):
+        places = np.flatnonzero(tags.codes == code)
+        owner = np.searchsorted(tags.marks, places, side="right") - 1
+        inside = (owner >= 0) & (look.where[owner] > 0)
+        many = np.bincount(owner[inside], minlength=len(tags.marks))
+        for mark in np.flatnonzero(many > (1 if code == 5 else 2)).tolist():
+            own = [at for at, other in tags.own(mark) if other == code]
+            if code == 100:
+                own = [at for at in own if tags.value(at).strip() == "AcDbEntity"]
+            if len(own) < 2 or (code == 100 and len(_own(tags, mark, 5)) > 1):
+                continue
+            handle = tags.first(mark, 5)
+            place = tags.place(own[1]) + (f", #{handle}" if handle else "")
+            kind = look.kind_of[int(tags.kinds[mark])]
+            what = f"with group {code} {_times(len(own))}"
+            if any(tags.value(at).strip() != tags.value(own[0]).strip() for at in own):
+                figures = "two entities in one, the line that names the type of one is missing"
+                yield _Fact(error, "stated-twice", kind, what, figures, tags.span(own[1]), place)
+            elif code == 100 and kind not in MARKERS:
+                figures = "as if two entities were one"
+                yield _Fact(warning, "stated-twice", kind, what, figures, tags.span(own[1]), place)
+
+
+def _own(tags: Tags, mark: int, code: int) -> list[int]:
+    return [at for at, other in tags.own(mark) if other == code]
+
+
 def _suspects(look: _Look) -> Ints:
     """Return the marks of entities in which a code that belongs there once may be twice.
 
@@ -424,6 +468,33 @@ def _counts(look: _Look) -> Iterator[_Fact]:
                     what = f"with another number of {words} than stated"
                     figures = f"{stated} stated, {own.count(of)} there"
                     yield look.fact("stated-count", mark, what, figures, at)
+
+
+# --- before what it belongs to ----------------------------------------------------------------
+
+
+def _early(look: _Look) -> Iterator[_Fact]:
+    """Find bulges of an LWPOLYLINE before its first vertex: they belong to none."""
+    tags = look.tags
+    marks = look.entities("LWPOLYLINE")
+    if not len(marks):
+        return
+    first = tags.marks[marks]
+    last = np.append(tags.marks, len(tags.codes))[marks + 1]
+    there = {}
+    for code in (10, 42):
+        places = np.append(np.flatnonzero(tags.codes == code), len(tags.codes))
+        there[code] = np.minimum(places[np.searchsorted(places, first)], last)
+    for k in np.flatnonzero(there[42] < there[10]).tolist():
+        at = int(there[42][k])
+        try:
+            bulge = float(tags.value(at))
+        except ValueError:
+            continue
+        if bulge:
+            what = "with a bulge (group 42) before the first vertex"
+            figures = f"{bulge:g} belongs to no vertex and is not used"
+            yield look.fact("misplaced-group", int(marks[k]), what, figures, at, used=False)
 
 
 # --- in words ---------------------------------------------------------------------------------

@@ -18,12 +18,20 @@ ANNOTATION = frozenset(
         *("PDFUNDERLAY", "DWFUNDERLAY", "DGNUNDERLAY"),
     }
 )
+#: Entity types that hold geometry: as many must come out of the reader as the file has.
+GEOMETRY = frozenset(
+    {"LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "SPLINE", "ELLIPSE", "INSERT"}
+)
+#: What stands in a repaired drawing for an entity that cannot be read. See `salvage`.
+UNREADABLE = "WEDMCAM_UNREADABLE"
 #: A POLYLINE that is a net of faces; `--ignore-type` takes this name, too.
 MESH = "POLYLINE (mesh)"
 #: What is not read, and has a boundary that could be an outline. See `unread`.
 BOUNDED = frozenset(
     {"SOLID", "TRACE", "3DFACE", "MESH", MESH, "HATCH", "MPOLYGON", "WIPEOUT", "MLINE"}
 )
+#: Likewise, as files name them.
+WITH_BOUNDS = BOUNDED - {MESH}
 
 #: Arrow heads that CAD programs bring along, as names of blocks (DXF reference, DIMBLK).
 _ARROWS = frozenset(

@@ -4,12 +4,13 @@ Known traps, each measured on real drawings:
 
 - Without ``$ACADVER`` ezdxf takes a file for R12 and drops layer and closed flag of the entities
   that R12 did not have. A version is added in memory, and said.
-- LWPOLYLINE and SPLINE without subclass markers stop ezdxf although their data is there. The
-  markers are added in memory, and said.
+- Entities whose subclass markers are missing or in another order stop ezdxf although their data
+  are there, and so do handles that are none: put right in memory, and said (`repairs`).
 - Without a HEADER section ezdxf reports its own defaults, metres for one: the raw header is read
   here.
 - ``audit`` and ``recover`` of ezdxf delete good geometry and read ``2,5`` as 2. Neither is called.
-  A damaged file is refused with the line, unless `salvage` gets its geometry out unchanged.
+  What stops ezdxf is left out, if it is never cut, and refused by name and line, if it is
+  (`salvage`).
 - Whatever way a file is read, as many entities must come out of it as it states.
 - ezdxf stops at the end mark of a text file without a word, and reads over that of a binary one,
   where a second drawing then replaces the first. Both end here at their mark.
@@ -24,15 +25,33 @@ import io
 import logging
 import re
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error, note, warning
-from wedmcam.frontends.dxf.salvage import salvage
-from wedmcam.frontends.dxf.tags import BINARY, PADDING, Tags, tags_of_binary, tags_of_text
+from wedmcam.diag import (
+    Diagnostic,
+    FileSpan,
+    Severity,
+    Span,
+    TextSpan,
+    error,
+    note,
+    warning,
+)
+from wedmcam.frontends.dxf.kinds import GEOMETRY, WITH_BOUNDS
+from wedmcam.frontends.dxf.repairs import COMMENT, drawn, repaired, written
+from wedmcam.frontends.dxf.salvage import Hopeless, Unreadable, salvage
+from wedmcam.frontends.dxf.tags import (
+    BINARY,
+    NO_CODE,
+    Tags,
+    encoding_of_binary,
+    tags_of_binary,
+    tags_of_text,
+)
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -52,14 +71,9 @@ OTHERS = (
 )
 #: Entity types that came with R13 and later; ezdxf reads them wholly only from such a version.
 LATER = ("LWPOLYLINE", "SPLINE", "ELLIPSE", "MTEXT", "HATCH")
-#: Of those, the ones ezdxf refuses without their subclass marker.
-MARKERS = {"LWPOLYLINE": "AcDbPolyline", "SPLINE": "AcDbSpline", "MTEXT": "AcDbMText"}
-#: Group codes of AcDbEntity: what all entities have in common.
-COMMON = frozenset({5, 6, 8, 48, 60, 62, 67, 102, 284, 330, 347, 370, 390, 410, 420, 430, 440})
-#: Group codes whose values are floats, by the DXF reference.
-FLOATS = ((10, 59), (110, 149), (210, 239), (460, 469), (1010, 1059))
-#: Entity types that hold geometry: as many must come out of the reader as the file has.
-GEOMETRY = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "SPLINE", "ELLIPSE", "INSERT")
+AGAIN = "the head or the end of something is missing: export the drawing again"
+#: A text has at most this share of NUL characters: in one of two bytes a letter, all have.
+MOST_NUL = 0.02
 
 _VARIABLE = r"\$%s[ \t]*\r?\n[ \t]*%d[ \t]*\r?\n[ \t]*([^\s]+)"
 _ESCAPE = re.compile(r"\\U\+((?!00[01])(?!D[89A-F])[0-9A-F]{4})", re.IGNORECASE)
@@ -79,12 +93,16 @@ class Header:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loaded:
-    """A document and what its file says about itself. ``binary``: of the binary kind."""
+    """A document and what its file says about itself.
+
+    ``binary``: of the binary kind; ``unreadable``: entities with a mark in their place.
+    """
 
     doc: Drawing
     header: Header
     binary: bool
     tags: Tags
+    unreadable: tuple[Unreadable, ...] = ()
 
 
 def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]:
@@ -93,14 +111,20 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
     if not data.strip():
         return None, (error("not-dxf", "the file is empty", where),)
     if data.startswith(BINARY):
-        tags = tags_of_binary(data, file)
-        return _parsed(None, tags, Header(), _behind(tags), None)
+        tags = tags_of_binary(data, file, encoding_of_binary(data))
+        edits, found = repaired(tags)
+        found = [*_behind(tags), *_misplaced(tags), *found]
+        if not edits:
+            return _parsed(None, tags, Header(), found)
+        text = written(tags, edits)
+        return _parsed(text, tags, _header(text.encode("latin-1", "replace")), found)
     for magic, what, cure in OTHERS:
         if data[:64].lstrip().startswith(magic):
             return None, (error("not-dxf", f"not a DXF drawing but {what}", where, hint=cure),)
-    header, text = _decoded(data)
-    if text is None:
+    header, decoded = _decoded(data)
+    if decoded is None:
         return None, (error("not-dxf", "not a DXF drawing: the file is not text", where),)
+    text = decoded
     if not _begins(text):
         why = "the first line is no group code" if not _CODE.match(text.split("\n", 1)[0]) else ""
         why = why or "it does not begin with a section"
@@ -112,28 +136,71 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         shown = conflict.group()[:20]
         return None, (error("merge-conflict", f"a version control conflict: {shown}", span),)
     tags = tags_of_text(text, file)
-    found = _behind(tags)
-    if found:
+    found = [*_behind(tags), *_misplaced(tags)]
+    edits, notes = repaired(tags)
+    found += notes
+    if edits:
+        text = written(tags, edits)
+    elif tags.behind is not None:
         text = tags.text()
-    original = text
-    for repair in REPAIRS:
-        text, said = repair(text, header)
-        if said:
-            found.append(note("repaired-drawing", said, where))
-    return _parsed(text, tags, header, found, original)
+    text, said = _with_version(text, header)
+    if said:
+        found.append(note("repaired-drawing", said, where))
+    return _parsed(text, tags, header, found)
 
 
 def _behind(tags: Tags) -> list[Diagnostic]:
-    """Return a warning where data are behind the end mark."""
+    """Return a note where data are behind the end mark, and a warning where they are a drawing."""
     if tags.behind is None:
         return []
     span, many, second = tags.behind
     if second is None:
-        text, hint = f"{many} behind the end mark (EOF), not read", None
-    else:
-        text = f"a second drawing behind the end mark (EOF), not read: {many}"
-        hint = "save it as a file of its own, if it is meant"
-    return [warning("behind-end", text, second or span, hint=hint)]
+        return [note("behind-end", f"{many} behind the end mark (EOF), not read", span)]
+    text = f"a second drawing behind the end mark (EOF), not read: {many}"
+    hint = "save it as a file of its own, if it is meant"
+    return [warning("behind-end", text, second, hint=hint)]
+
+
+def _misplaced(tags: Tags) -> list[Diagnostic]:
+    """Return errors about what ezdxf passes over, because its head or an end is missing."""
+    if tags.end is None or (tags.codes == NO_CODE).any():  # its pairs are not what they seem
+        return []
+    inside = drawn(tags)
+    numbers = [tags.names[kind] for kind in GEOMETRY | WITH_BOUNDS if kind in tags.names]
+    lost = np.flatnonzero(np.isin(tags.kinds, numbers) & ~inside).tolist()
+    found = [_misplaced_in(tags, lost, "outside of the sections BLOCKS and ENTITIES")]
+    opens, ends = (tags.names.get(name, -1) for name in ("BLOCK", "ENDBLK"))
+    for name, first, last in tags.sections:
+        if name == "BLOCKS":
+            kinds = tags.kinds[first:last]
+            depth = np.cumsum((kinds == opens).astype(np.int64) - (kinds == ends))
+            wrong = (depth < 0) | (depth > 1)
+            wrong |= (depth == 0) & (kinds != ends)
+            lost = (first + np.flatnonzero(wrong)).tolist()
+            if not lost and len(depth) and depth[-1]:
+                lost = [first + int(np.flatnonzero(kinds == opens)[-1])]
+            found.append(_misplaced_in(tags, lost, "outside of BLOCK and ENDBLK"))
+            heads = (first + np.flatnonzero(kinds == opens)).tolist()
+            lost = [mark for mark in heads if not tags.first(mark, 2)]
+            found.append(_misplaced_in(tags, lost, "without a name (group 2)"))
+        if name in ("BLOCKS", "ENTITIES"):
+            head = int(tags.marks[first - 1])
+            codes = [code for _, code in tags.own(first - 1) if code != COMMENT]
+            if len(codes) > 1:
+                text = f"{len(codes) - 1} groups between the head of section {name} and its first "
+                text += f"entity ({tags.place(head)}): the line that names a type is missing"
+                found.append([error("damaged-drawing", text, tags.span(head), hint=AGAIN)])
+    return [d for some in found for d in some]
+
+
+def _misplaced_in(tags: Tags, lost: list[int], where: str) -> list[Diagnostic]:
+    if not lost:
+        return []
+    at = int(tags.marks[lost[0]])
+    kinds = Counter(tags.value(int(tags.marks[mark])).strip() for mark in lost)
+    many = ", ".join(f"{n} {kind}" for kind, n in sorted(kinds.items())[:5])
+    text = f"{many} {where}, from {tags.place(at)} on: they would be lost"
+    return [error("damaged-drawing", text, tags.span(at), hint=AGAIN, count=len(lost))]
 
 
 def _decoded(data: bytes) -> tuple[Header, str | None]:
@@ -141,7 +208,8 @@ def _decoded(data: bytes) -> tuple[Header, str | None]:
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = data.decode("utf-16", "replace")
         return _header(text.encode("ascii", "replace")), _newlines(text)
-    if b"\0" in data[:4096].rstrip(PADDING[:-1].encode()):
+    first = data[:4096].split(b"EOF")[0]
+    if first.count(b"\0") > MOST_NUL * len(first):
         return Header(), None
     header = _header(data)
     encoding = "utf-8-sig" if data.startswith(b"\xef\xbb\xbf") else _encoding(header, data)
@@ -236,7 +304,7 @@ def _begins(text: str) -> bool:
     return False
 
 
-# --- repairs in memory ----------------------------------------------------------------------
+# --- versions -------------------------------------------------------------------------------
 
 
 def _with_version(text: str, header: Header) -> tuple[str, str]:
@@ -258,117 +326,154 @@ def _with_version(text: str, header: Header) -> tuple[str, str]:
     return text, "the file states no version ($ACADVER): read as AC1015"
 
 
-def _with_markers(text: str, header: Header) -> tuple[str, str]:
-    """Add the subclass markers of entities that have none."""
-    lacking = [
-        name for name, marker in MARKERS.items() if text.count(f"\n{name}\n") > text.count(marker)
-    ]
-    if not lacking:
-        return text, ""
-    lines = text.split("\n")
-    pairs = list(zip(lines[0::2], lines[1::2], strict=False))
-    out: list[tuple[str, str]] = []
-    mended = 0
-    start = 0
-    for at in range(1, len(pairs) + 1):
-        if at < len(pairs) and pairs[at][0].strip() != "0":
-            continue
-        group = pairs[start:at]
-        start = at
-        marker = MARKERS.get(group[0][1].strip()) if group[0][0].strip() == "0" else None
-        if marker and not any(c.strip() == "100" and v.strip() == marker for c, v in group):
-            mended += 1
-            body = [p for p in group[1:] if p[0].strip() != "100"]
-            mine = [p for p in body if _whole(p[0]) in COMMON]
-            rest = [p for p in body if _whole(p[0]) not in COMMON]
-            group = [group[0], ("100", "AcDbEntity"), *mine, ("100", marker), *rest]
-        out += group
-    if not mended:
-        return text, ""
-    joined = "\n".join(line for pair in out for line in pair) + "\n"
-    return joined, f"{mended} entities without subclass marker ({', '.join(lacking)}) completed"
-
-
-#: In order; each returns the text, and what it did or nothing.
-REPAIRS: tuple[Callable[[str, Header], tuple[str, str]], ...] = (_with_version, _with_markers)
-
-
 # --- ezdxf ----------------------------------------------------------------------------------
 
 
 def _parsed(
-    text: str | None,
-    tags: Tags,
-    header: Header,
-    found: list[Diagnostic],
-    original: str | None,
+    text: str | None, tags: Tags, header: Header, found: list[Diagnostic]
 ) -> tuple[Loaded | None, tuple[Diagnostic, ...]]:
     """Return the document that ezdxf reads from the text, or from the tags where that is None."""
-    import ezdxf
     from ezdxf.document import Drawing
     from ezdxf.lldxf.tagger import binary_tags_loader
 
     _silence()
     collecting = gc.isenabled()
     gc.disable()  # nothing of a document is garbage while it is read; this saves 40 % of the time
+    unreadable: tuple[Unreadable, ...] = ()
     try:
         if text is not None:
-            doc = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]
+            doc = _read(text)
         else:
             data = tags.data()
             doc = Drawing.load(binary_tags_loader(data, errors="replace"))
             header = _binary_header(doc) if b"HEADER" in data[:256] else Header()
-        doc.modelspace()  # a broken layout dictionary shows only now
-        lost = _lost(tags, doc)
+            doc.modelspace()  # a broken layout dictionary shows only now
+        lost = _lost(_stated(tags), doc)
     except Exception as why:  # ezdxf raises whatever a broken file makes it stumble over
-        span, reason, plain = _fault(text, original, why, tags.file)
-        saved = None if plain or text is None else _saved(text, tags, header)
-        if saved is not None:
-            doc, done = saved
-            found.append(
-                warning(
-                    "repaired-drawing",
-                    f"the drawing is damaged ({reason}); its blocks and entities were read without "
-                    f"the rest: {done or 'nothing of them had to be changed'}",
-                    span,
-                    hint="check the picture; exporting the drawing again is cleaner",
-                )
-            )
-            return Loaded(doc, header, False, tags), tuple(found)
+        lines = tags.lines or written(tags, {}).split("\n")
+        if text is None:
+            header = _header("\n".join(lines).encode("latin-1", "replace"))
+        try:
+            doc, unreadable, said, span = _salvaged(lines, tags, header, _reason(why))
+        except Hopeless as hopeless:
+            found.append(_refused(lines, tags, hopeless))
+            return None, tuple(found)
+        lost = ""
         found.append(
-            error(
-                "damaged-drawing",
-                f"the drawing is damaged: {reason}",
+            warning(
+                "repaired-drawing",
+                said,
                 span,
-                hint="open it in a CAD program, let it repair it, and export it again",
+                hint="check the picture; exporting the drawing again is cleaner",
             )
         )
-        return None, tuple(found)
     finally:
         if collecting:
             gc.enable()
-    if lost:
+    if lost and not any(d.severity is Severity.ERROR for d in found):
         found.append(error("damaged-drawing", f"entities were lost in reading: {lost}"))
-    return Loaded(doc, header, text is None, tags), tuple(found)
+    return Loaded(doc, header, bool(tags.is_binary), tags, unreadable), tuple(found)
 
 
-def _saved(text: str, tags: Tags, header: Header) -> tuple[Drawing, str] | None:
-    """Return what `salvage` gets out of a damaged file, if every entity comes out of it."""
+def _read(text: str) -> Drawing:
     import ezdxf
 
+    doc: Drawing = ezdxf.read(io.StringIO(text))  # type: ignore[attr-defined]
+    doc.modelspace()  # a broken layout dictionary shows only now
+    return doc
+
+
+def _reason(why: Exception) -> str:
+    """Return what an exception of ezdxf says to somebody who does not know its code."""
+    from ezdxf.lldxf.const import DXFError
+
+    if not isinstance(why, DXFError):
+        return "values are missing in it, or do not stand where they belong"
+    text = str(why).strip().removeprefix("DXFStructureError: ").rstrip(".")
+    return re.sub(r",? *(near|at|in)? *line:? \d+", "", text)
+
+
+def _salvaged(
+    lines: list[str], tags: Tags, header: Header, reason: str
+) -> tuple[Drawing, tuple[Unreadable, ...], str, Span]:
+    """Return what `salvage` gets out of a damaged file, what it could not, what it did, and where.
+
+    Raises:
+        Hopeless: not every entity comes out of it, or has a mark in its place.
+    """
+
+    def fault(text: str) -> str | None:
+        try:
+            _read(text)
+        except Exception as why:  # as before: whatever it stumbles over
+            return _reason(why)
+        return None
+
     version = header.version or "AC1009"
+    if not re.fullmatch(r"AC10(0[6-9]|[123]\d)", version):
+        version = "AC1015"
     if version < "AC1012":
-        version = "AC1015" if any(f"\n{name}" in text for name in LATER) else "AC1009"
-    got = salvage(text, version)
-    if got is None:
-        return None
+        words = {line.strip() for line in lines}
+        version = "AC1015" if words & set(LATER) else "AC1009"
+    got = salvage(lines, version, partial(_span, tags), partial(_place, tags), fault)
     try:
-        doc = ezdxf.read(io.StringIO(got.text))  # type: ignore[attr-defined]
-        doc.modelspace()
-        lost = _lost(tags, doc)
-    except Exception:  # as before: whatever it stumbles over
-        return None
-    return None if lost else (doc, "; ".join(got.done))
+        doc = _read(got.text)
+        lost = _lost(got.counts, doc)
+    except Exception as why:
+        raise Hopeless(0, f"{reason}; and without the rest: {_reason(why)}") from why
+    if lost:
+        raise Hopeless(0, f"{reason}; of its entities {lost} would be lost")
+    where: Span = FileSpan(tags.file)
+    if got.unreadable:
+        where, reason = got.unreadable[0].span, str(got.unreadable[0])
+        if len(got.unreadable) > 1:
+            reason += f"; and {len(got.unreadable) - 1} more"
+    elif got.broken is not None:
+        name, at = got.broken
+        where, reason = _span(tags, at), f"section {name}, {_place(tags, at)}: {reason}"
+    said = (
+        f"the drawing is damaged ({reason}); its blocks and entities were read without the rest: "
+        f"{'; '.join(got.done) or 'nothing of them had to be changed'}"
+    )
+    return doc, tuple(got.unreadable), said, where
+
+
+def _span(tags: Tags, line: int) -> Span:
+    """Return the place of a line, from 0, of a file or of its tags as text."""
+    if not tags.is_binary:
+        return TextSpan(tags.file, line + 1, 1)
+    if not len(tags.codes):
+        return FileSpan(tags.file)
+    return tags.span(min(line // 2, len(tags.codes) - 1))
+
+
+def _place(tags: Tags, line: int) -> str:
+    if not tags.is_binary:
+        return f"line {line + 1}"
+    return tags.place(min(line // 2, len(tags.codes) - 1)) if len(tags.codes) else "byte 0"
+
+
+def _refused(lines: list[str], tags: Tags, why: Hopeless) -> Diagnostic:
+    """Return the error about a file of which nothing can be had: with the entity it stops in."""
+    line = min(why.line, len(lines) - 1)
+    inside = _entity_before(lines, line)
+    return error(
+        "damaged-drawing",
+        f"the drawing is damaged: {why.why}" + (f" ({inside})" if inside and line else ""),
+        _span(tags, line) if line else FileSpan(tags.file),
+        hint="open it in a CAD program, let it repair it, and export it again",
+    )
+
+
+def _entity_before(lines: list[str], line: int) -> str:
+    """Return the entity that a line stands in: "in LINE #2F, which begins in line 31"."""
+    for k in range(min(line, len(lines) - 2), 0, -1):
+        word = lines[k].strip()
+        if lines[k - 1].strip() == "0" and word.isupper() and word.isascii():
+            pairs = zip(lines[k + 1 : line + 1 : 2], lines[k + 2 : line + 2 : 2], strict=False)
+            handle = next((f" #{v.strip()}" for code, v in pairs if code.strip() == "5"), "")
+            return f"in {word[:40]}{handle[:20]}, which begins in line {k + 1}"
+    return ""
 
 
 def _silence() -> None:
@@ -398,61 +503,14 @@ def _text(value: object) -> str | None:
     return None if value is None else str(value)
 
 
-def _fault(
-    text: str | None, original: str | None, why: Exception, file: str
-) -> tuple[Span, str, bool]:
-    """Return where a file that ezdxf refused is wrong, and whether its data are.
-
-    Wrong data, or missing ones, cannot be had without a guess. Lines are those of the file, which
-    is ``original``, and not of the repaired text.
-    """
-    where = FileSpan(file)
-    from ezdxf.lldxf.const import DXFError
-
-    reason = str(why).strip().removeprefix("DXFStructureError: ").rstrip(".")
-    if not isinstance(why, DXFError):
-        reason = f"the reader stumbles over it ({type(why).__name__}: {reason})"
-    if text is None or original is None:
-        return where, reason, True
-    lines = original.split("\n")
-    for at in range(0, len(lines) - 1, 2):
-        code, value = _whole(lines[at]) if _CODE.match(lines[at]) else None, lines[at + 1]
-        if code is None:
-            shown = lines[at].strip()[:40]
-            return TextSpan(file, at + 1, 1), f'"{shown}" stands where a group code must be', True
-        if code == 0 and value.strip() == "EOF":
-            break
-        if any(low <= code <= high for low, high in FLOATS) and not _is_float(value):
-            shown = value.strip()[:40]
-            comma = "; decimals take a point, no comma" if "," in shown else ""
-            return TextSpan(file, at + 2, 1), f'"{shown}" is no number (group {code}){comma}', True
-    if "EOF" in reason:
-        return (
-            TextSpan(file, len(lines), 1),
-            "the end of file mark is missing; it may be cut off",
-            True,
-        )
-    if text is not original:
-        return where, re.sub(r",? *(near|at|in)? *line:? \d+", "", reason), False
-    near = re.search(r"line:? (\d+)", reason)
-    return TextSpan(file, int(near.group(1)), 1) if near else where, reason, False
+def _stated(tags: Tags) -> Counter[str]:
+    """Return how many entities of each type the file states."""
+    many = np.bincount(tags.kinds[drawn(tags)], minlength=len(tags.names))
+    return Counter({name: int(many[number]) for name, number in tags.names.items()})
 
 
-def _is_float(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _lost(tags: Tags, doc: Drawing) -> str:
-    """Return which entities that the file states the document does not hold, or nothing."""
-    inside = np.zeros(len(tags.marks), np.bool_)
-    for name, first, end in tags.sections:
-        inside[first:end] |= name in ("BLOCKS", "ENTITIES")
-    many = np.bincount(tags.kinds[inside], minlength=len(tags.names))
-    stated = {name: int(many[number]) for name, number in tags.names.items()}
+def _lost(stated: Counter[str], doc: Drawing) -> str:
+    """Return which of the entities that a file states the document does not hold, or nothing."""
     held = Counter(entity.dxftype() for block in doc.blocks for entity in block)
-    names = [n for n in GEOMETRY if stated.get(n, 0) > held[n]]
+    names = [n for n in sorted(GEOMETRY | WITH_BOUNDS) if stated[n] > held[n]]
     return ", ".join(f"{stated[n] - held[n]} {n}" for n in names)

@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
 from wedmcam.frontends.dxf import units
 from wedmcam.frontends.dxf.contradictions import Reading, contradictions
-from wedmcam.frontends.dxf.kinds import BOUNDED
-from wedmcam.frontends.dxf.load import GEOMETRY, Loaded, load
+from wedmcam.frontends.dxf.kinds import BOUNDED, GEOMETRY
+from wedmcam.frontends.dxf.load import Loaded, load
 from wedmcam.frontends.dxf.place import Census, Fate, Layers, Placement, Placer, finite
+from wedmcam.frontends.dxf.salvage import Unreadable
 from wedmcam.frontends.dxf.shapes import Heap, gather, is_ignored
+from wedmcam.frontends.dxf.tags import Tags
 from wedmcam.frontends.dxf.unread import unread
 from wedmcam.ir.sketch import Sketch, SketchInfo, Unread
 
@@ -30,6 +32,8 @@ Rows = NDArray[np.void]
 TAPER_UM = 100.0
 #: How many handles a finding about many entities names.
 NAMED = 5
+#: Of entities that cannot be read this many are listed.
+MOST_UNREADABLE = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +101,7 @@ def read(
     bounds = Unread()
     if any(kind in BOUNDED for kind, _ in placed.others):
         bounds, there = unread(loaded.doc, scale, layers, file, ignore, options.tolerance_um)
-        _boundless(there, placed)
+        _boundless(there, placed, loaded.unreadable)
     found += contradictions(
         loaded.tags,
         Reading(
@@ -107,7 +111,8 @@ def read(
             options.units is None or options.fill_in_units,
         ),
     )
-    found += _problems(placed)
+    found += _unreadable(placed, loaded.unreadable)
+    found += _problems(placed, loaded.tags)
     found += _curves(placed, options, file)
     found += _said(placed, _paper_space(loaded.doc), file)
     if not len(rows) and not has_errors(found):
@@ -124,9 +129,11 @@ def read(
     return sketch, tuple(found)
 
 
-def _boundless(there: Placement, placed: Placement) -> None:
+def _boundless(there: Placement, placed: Placement, unreadable: tuple[Unreadable, ...]) -> None:
     """Note what is not read and has no boundary that can be had."""
-    for (_, text), refs in there.problems.items():
+    for (code, text), refs in there.problems.items():
+        if code == "unreadable":
+            text = f"{unreadable[int(text)].place}: {unreadable[int(text)].why}"
         for ref in refs:
             if ref.dxftype in BOUNDED:
                 why = f", and its boundary is not known{': ' + text if text else ''}"
@@ -242,16 +249,46 @@ _SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
 }
 
 
-def _problems(placed: Placement) -> list[Diagnostic]:
+def _unreadable(placed: Placement, unreadable: tuple[Unreadable, ...]) -> list[Diagnostic]:
+    """Return an error for each entity that would be cut and cannot be read."""
+    found = []
+    hint = "correct the line named, or draw it again; --ignore-layer leaves its layer out"
+    there = [(text, refs) for (code, text), refs in placed.problems.items() if code == "unreadable"]
+    for text, refs in there[:MOST_UNREADABLE]:
+        one, ref = unreadable[int(text)], next(iter(refs))
+        many = f", there {len(refs)} times by its INSERTs" if len(refs) > 1 else ""
+        what = f"{one.kind} on layer {ref.layer}{_handles([ref])}{many} cannot be read: {one.why}"
+        found.append(error("damaged-drawing", what, one.span, hint=hint))
+    if len(there) > MOST_UNREADABLE:
+        more = len(there) - MOST_UNREADABLE
+        found.append(error("damaged-drawing", f"{more} further entities cannot be read"))
+    return found
+
+
+def _line(tags: Tags, ref: EntityRef) -> str:
+    """Return where in the file an entity stands; nothing where it has no handle there."""
+    for at in np.flatnonzero(tags.codes == 5).tolist():
+        if tags.value(at).strip().upper() == ref.handle.upper():
+            mark = int(np.searchsorted(tags.marks, at, side="right")) - 1
+            if mark >= 0 and tags.value(int(tags.marks[mark])).strip() == ref.dxftype:
+                return f", {tags.place(int(tags.marks[mark]))}"
+    return ""
+
+
+def _problems(placed: Placement, tags: Tags) -> list[Diagnostic]:
     """Return one finding for each kind of problem and type of entity."""
     found = []
     groups: dict[tuple[str, str, str], list[EntityRef]] = {}
     for (code, text), refs in placed.problems.items():
+        if code == "unreadable":
+            continue
         for ref in refs:
             groups.setdefault((code, text, ref.dxftype), []).append(ref)
     for (code, text, kind), spans in groups.items():
         make, saying, hint = _SAYING[code]
         message = saying.format(n=f"{len(spans)} {kind}", text=text) + _handles(spans)
+        if code == "damaged-drawing":
+            message += _line(tags, spans[0])
         found.append(make(code, message, spans[0], hint=hint, count=len(spans)))
     low, high = min(placed.heights, default=0), max(placed.heights, default=0)
     if high - low > TAPER_UM:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, CurveError, of_ellipse, of_spline
-from wedmcam.frontends.dxf.kinds import ANNOTATION, BOUNDED, MESH
+from wedmcam.frontends.dxf.kinds import ANNOTATION, BOUNDED, MESH, UNREADABLE
 from wedmcam.frontends.dxf.turns import TELLING, Turn, turn_of
 from wedmcam.ir.sketch import SEGMENT
 
@@ -143,33 +143,41 @@ def gather(
         ignore: patterns of types to leave out, in lower case.
         annotation: whether what cannot be read in it is no outline: the picture of a dimension.
     """
-    from ezdxf.lldxf.const import DXFError
-
     heap = Heap(scale)
     convert = CONVERTERS.get
     for entity in entities:
         kind = entity.DXFTYPE
-        try:
-            layer = str(entity.dxf.layer)
-        except DXFError:  # ezdxf keeps the tags of a type that it does not know, and no more
-            layer = str(_stated(entity, 8, "0"))
-            if _stated(entity, 67, 0):  # in paper space
-                continue
+        layer = layer_of(entity)
+        if is_on_sheet(entity):
+            continue
         to = convert(kind)
         if to is None or kind == "POLYLINE":
+            unread = kind == UNREADABLE
             kind = type_of(entity)
-            to = convert(kind)
+            to = unreadable if unread else convert(kind)
         if ignore and is_ignored(kind, ignore):
             heap.ignored[kind, layer] += 1
             continue
-        if to is None:
+        if to is None or to is unreadable:
             if annotation or kind in ANNOTATION or kind in BOUNDED:
                 heap.others[kind, layer] += 1
                 continue
-            to = _unsupported
+            to = to or _unsupported
         converted(heap, entity, kind, layer, to)
     heap.segments = segments_of(heap)
     return heap
+
+
+def layer_of(entity: Entity) -> str:
+    """Return the layer of an entity, also of one of an unknown type."""
+    if hasattr(entity, "xtags"):  # ezdxf keeps the tags of such a type, and no more
+        return str(_stated(entity, 8, "0"))
+    return str(entity.dxf.layer)
+
+
+def is_on_sheet(entity: Entity) -> bool:
+    """Return whether an entity of an unknown type is in paper space; of others ezdxf knows it."""
+    return hasattr(entity, "xtags") and bool(_stated(entity, 67, 0))
 
 
 def _stated(entity: Entity, code: int, default: object) -> object:
@@ -183,8 +191,13 @@ def _stated(entity: Entity, code: int, default: object) -> object:
 
 
 def type_of(entity: Entity) -> str:
-    """Return the DXF type of an entity; a POLYLINE that is a net of faces is `kinds.MESH`."""
+    """Return the DXF type of an entity; a POLYLINE that is a net of faces is `kinds.MESH`.
+
+    What could not be read has a mark in its place (`salvage`), which tells the type.
+    """
     kind = str(entity.dxftype())
+    if kind == UNREADABLE:
+        return str(entity.xtags.subclasses[-1].get_first_value(1))
     if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
         return MESH
     return kind
@@ -214,7 +227,8 @@ def converted(heap: Heap, entity: Entity, kind: str, layer: str, to: Converter) 
         TypeError,
     ) as why:
         # ezdxf raises these for attributes that an entity must have and has not.
-        heap.problem("damaged-drawing", at, str(why) or type(why).__name__)
+        told = isinstance(why, DXFError | ValueError) and str(why)
+        heap.problem("damaged-drawing", at, told or "a value is missing in it")
 
 
 # --- one converter for each type ------------------------------------------------------------
@@ -233,6 +247,11 @@ def _flip(heap: Heap, at: int, dxf: Entity) -> bool | None:
 
 def _unsupported(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     heap.problem("unsupported-entity", at)
+
+
+def unreadable(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
+    """Note which of the entities that ezdxf could not read this one stands for."""
+    heap.problem("unreadable", at, str(entity.xtags.subclasses[-1].get_first_value(90)))
 
 
 def _line(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:

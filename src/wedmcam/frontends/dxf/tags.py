@@ -7,6 +7,7 @@ array, so that a look at all of them is a few array operations; values are only 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -88,6 +89,16 @@ class Tags:
             name = self.value(at).strip() if self.code(at) == 2 else ""
             after = np.searchsorted(ends, mark)
             yield name, mark + 1, int(ends[after]) if after < len(ends) else len(self.marks)
+
+    @property
+    def is_binary(self) -> bool:
+        """Whether the file is of the binary kind."""
+        return bool(self._data)
+
+    @property
+    def lines(self) -> list[str]:
+        """The lines of a text file; none of a binary one."""
+        return list(self._lines)
 
     def code(self, at: int) -> int:
         """Return a tag's group code; `NO_CODE` behind the last."""
@@ -281,6 +292,18 @@ def _is_old(data: bytes) -> bool:
         return True
     at += 10 if data[at + 10 : at + 11] == b"A" else 11
     return data[at : at + 6] <= b"AC1009"
+
+
+def encoding_of_binary(data: bytes) -> str:
+    """Return the encoding of a binary file's text: UTF-8 from R2007 on, else its code page."""
+    from ezdxf.tools.codepage import toencoding
+
+    head = data[:1024]
+    version = re.search(rb"\$ACADVER\0\x01\x00?(AC\d{4})", head)
+    if version is not None and version[1] >= b"AC1021":
+        return "utf-8"
+    page = re.search(rb"\$DWGCODEPAGE\0\x03\x00?([\w-]+)\0", head)
+    return str(toencoding(page[1].decode())) if page is not None else "cp1252"
 
 
 @cache

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.frontends.dxf.curves import Spline, of_spline
-from wedmcam.frontends.dxf.kinds import BOUNDED, MESH, is_annotation
+from wedmcam.frontends.dxf.kinds import BOUNDED, MESH, UNREADABLE, is_annotation
 from wedmcam.frontends.dxf.place import Layers, Placement, Placer, finite
 from wedmcam.frontends.dxf.shapes import (
     CONVERTERS,
@@ -24,8 +24,11 @@ from wedmcam.frontends.dxf.shapes import (
     _flip,
     converted,
     is_ignored,
+    is_on_sheet,
+    layer_of,
     segments_of,
     type_of,
+    unreadable,
 )
 from wedmcam.geom.curves import Ellipse
 from wedmcam.ir.sketch import Unread
@@ -86,20 +89,16 @@ def gather(
         ignore: patterns of types that are left out, in lower case.
         annotation: whether nothing in it is an outline: the picture of a dimension, an arrow head.
     """
-    from ezdxf.lldxf.const import DXFError
-
     heap = Heap(scale)
     if annotation:
         return heap
     for entity in entities:
-        try:
-            layer = str(entity.dxf.layer)
-        except DXFError:
-            continue
         kind = type_of(entity)
         to = _CONVERTERS.get(kind)
-        if to is not None and not is_ignored(kind, ignore):
-            converted(heap, entity, kind, layer, to)
+        if to is not None and not is_ignored(kind, ignore) and not is_on_sheet(entity):
+            if entity.dxftype() == UNREADABLE:
+                to = unreadable
+            converted(heap, entity, kind, layer_of(entity), to)
     heap.segments = segments_of(heap)
     return heap
 

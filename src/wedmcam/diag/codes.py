@@ -405,7 +405,11 @@ CODES: dict[str, Code] = {
     ),
     "inner-corners": Code(
         "sharp inner corners cannot be cut sharp: they keep the radius of the wire",
-        "a punch with sharp corners does not fit into a die cut so",
+        "a punch with sharp corners does not fit into a die cut so. A chamfer, or a few facets, "
+        "that the wire does not reach belong to their corner: less stays there than in the sharp "
+        "one. "
+        "What is drawn as an arc is a radius that is meant (interference), and so is a curve in "
+        "lines of small turns; walls within 30 degrees of parallel are those of a slot",
         "--corner with at least the offset rounds the corners of both",
     ),
     "thread-point-unused": Code(

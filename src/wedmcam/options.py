@@ -95,6 +95,7 @@ class Options:
         join_um: the largest gap closed between entities.
         transforms: figure transforms in the words of the part language, in their order.
         tolerance_um: how far arcs may lie from a spline or an ellipse.
+        thin_wall_um: kept material thinner than this is a warning; 0 for none.
         offset_um: from the outline to the wire's centre; None where none was given.
         side: None for ``part`` with an offset and ``on`` without.
         corner_um: radius rounded onto the part's own corners; 0 for none.
@@ -134,6 +135,7 @@ class Options:
     ignore_types: tuple[str, ...] = ()
     join_um: float = 10.0
     tolerance_um: float = 1.0
+    thin_wall_um: float = 50.0
     transforms: tuple[str, ...] = ()
     offset_um: float | None = None
     side: Side | None = None
@@ -188,9 +190,16 @@ class Options:
                 f"--corner {self.corner_um / 1000:.3f} mm is below the offset "
                 f"{offset / 1000:.3f} mm: the wire could not follow it"
             )
-        for name in ("join_um", "corner_um", "lead_um", "stop_um", "overcut_um"):
+        for name in (
+            "join_um",
+            "thin_wall_um",
+            "corner_um",
+            "lead_um",
+            "stop_um",
+            "overcut_um",
+        ):
             if getattr(self, name) < 0:
-                raise WrongUse(f"--{name[:-3]} must not be negative")
+                raise WrongUse(f"--{name[:-3].replace('_', '-')} must not be negative")
         for name in ("stop_um", "overcut_um"):
             if 0 < getattr(self, name) < 1:
                 raise WrongUse(f"--{name[:-3]} is 0 or 1 um at least: no step is shorter")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ LARGEST_UM = 8000.0
 
 
 def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """Return the facts of a drawing in mm, and findings on open contours.
+    """Return the facts of a drawing in mm, and findings on open contours and thin material.
 
     The largest permissible offset is that of the side asked for (``part`` by default), over all
     contours together, with the place that limits it.
@@ -57,7 +58,27 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
     }
     facts.update(info.extra)
     facts["largest_offset"] = _largest(drawn, options) if closed else None
-    return facts, list(open_contour_findings(contours, options.join_um))
+    found = [*open_contour_findings(contours, options.join_um), *_thin(drawn, options)]
+    return facts, found
+
+
+def _thin(drawn: Drawn, options: Options) -> list[Diagnostic]:
+    """Return what is too thin or too small, of what can be planned so far.
+
+    Nobody states an offset here. Some is needed for a side, and none is smaller than this.
+    """
+    from wedmcam.compiler.sources import arithmetic
+    from wedmcam.transforms.plan.idle import Used
+    from wedmcam.transforms.plan.material import thin_material
+    from wedmcam.transforms.plan.pieces import pieces_of
+    from wedmcam.transforms.plan.scenes import scenes_of
+
+    side = Side.DIE if options.side is Side.DIE else Side.PART
+    options = replace(options, side=side, offset_um=options.offset_um or 1.0, corner_um=0.0)
+    asked, _ = drawn.cuts(options)
+    ar, used = arithmetic(options), Used()
+    pieces = [p for k, cut in enumerate(asked) for p in pieces_of(k, cut, options, ar, used)[0]]
+    return thin_material(scenes_of(asked, pieces)[0], options.thin_wall_um)
 
 
 def _mm(values: Any) -> list[float]:

@@ -104,6 +104,7 @@ class Options:
         join_um: the largest gap closed between entities.
         transforms: figure transforms in the words of the part language, in their order.
         tolerance_um: how far arcs may lie from a spline or an ellipse.
+        thin_wall_um: kept material thinner than this is a warning; 0 for none.
         offset_um: from the outline to the wire's centre; None where none was given.
         side: None for ``part`` with an offset and ``on`` without.
         layer_sides: name or wildcard of a layer, and the side of its contours.
@@ -148,6 +149,7 @@ class Options:
     ignore_types: tuple[str, ...] = ()
     join_um: float = 10.0
     tolerance_um: float = 1.0
+    thin_wall_um: float = 50.0
     transforms: tuple[str, ...] = ()
     offset_um: float | None = None
     side: Side | None = None

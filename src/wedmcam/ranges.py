@@ -50,6 +50,7 @@ LENGTHS: dict[str, Range] = {
     "gap_um": Range(0.0),
     "clearance_um": Range(0.0),
     "corner_um": Range(0.0),
+    "thin_wall_um": Range(0.0),
     "lead_um": Range(0.0),
     # No step is shorter than 1 um.
     "stop_um": Range(1.0, none=True),

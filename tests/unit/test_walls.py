@@ -124,7 +124,9 @@ def test_a_copy_that_is_farther_off_is_a_warning():
     assert found["drawn-twice"].severity is Severity.WARNING
 
 
-@pytest.mark.parametrize(("um", "status"), [(0.02, 1), (1, 1), (3, 1), (3.9, 1), (4.1, 0)])
+@pytest.mark.parametrize(
+    ("um", "status"), [(0.02, 1), (1, 1), (3, 1), (3.9, 1), (4.1, 0), (49, 0), (51, 0)]
+)
 @pytest.mark.parametrize("what", ["holes", "hole and outline", "parts"])
 def test_wall_over_a_short_stretch(um, status, what):
     d = um / 1000
@@ -140,12 +142,13 @@ def test_wall_over_a_short_stretch(um, status, what):
 
     got, found = told(draw, side="die" if what == "parts" else "part")
     assert got == status
-    assert set(found) == ({"thin-wall"} if status else set())
-    if status:
+    assert set(found) == ({"thin-wall"} if um < 50 else set())
+    if um < 50:
+        assert found["thin-wall"].severity is (Severity.ERROR if status else Severity.WARNING)
         x, y = found["thin-wall"].points_mm[0]
         at = 20 if what == "hole and outline" else 5
-        assert (x, y) == pytest.approx((at, 0), abs=0.01)
-        assert f"({um:.1f} um) thick" in found["thin-wall"].message
+        assert (x, y) == pytest.approx((at, 0), abs=0.03)
+        assert f"{um:.1f} um" in found["thin-wall"].message
 
 
 def test_no_wall_is_kept_between_two_parts_or_on_the_line():

@@ -61,6 +61,13 @@ drawing_options = _stack(
         help="Between a spline or an ellipse and its arcs.",
     ),
     click.option(
+        "--thin-wall",
+        "thin_wall_um",
+        type=length("thin_wall_um"),
+        default="0.05mm",
+        help="Kept material thinner than this is warned of; 0 for none.",
+    ),
+    click.option(
         "--transform",
         "transforms",
         multiple=True,
@@ -290,6 +297,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         ignore_types=asked["ignore_types"],
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
+        thin_wall_um=asked["thin_wall_um"],
         transforms=asked["transforms"],
         source=asked["from_"],
         defines=asked["defines"],

@@ -484,6 +484,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
         ignore_types=asked["ignore_types"],
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
+        thin_wall_um=asked["thin_wall_um"],
         transforms=asked["transforms"],
         arithmetic=asked["arithmetic"],
         side=side,

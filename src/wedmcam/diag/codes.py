@@ -310,9 +310,19 @@ CODES: dict[str, Code] = {
         "a warning.",
     ),
     "thin-wall": Code(
-        "The material between two contours is too thin to be left standing.",
-        "The path is proven within 2 um on either side of a wall, so one below 4 um is none.",
-        "Draw the wall thicker, or remove the contour that is not meant.",
+        "Kept material between two contours, or two stretches of one, is too thin to be left.",
+        "Below --thin-wall (0.05 mm) a wall, fin or neck seldom stands: a warning. Between two "
+        "contours the path is proven within 2 um on either side, so a wall below 4 um is none: an "
+        "error. Tips are not meant, however acute, sharp or cut off by a chamfer or a fillet.",
+        "Draw the wall thicker, or remove the contour that is not meant; where it is meant, lower "
+        "--thin-wall (0 for no warnings).",
+    ),
+    "speck": Code(
+        "A closed contour that is smaller than anything a wire cuts.",
+        "It would get a thread point and a cut of its own. A hole below 0.05 mm is too small for "
+        "the finest wires; kept material is lost when it is smaller than the cut round it, twice "
+        "the offset wide.",
+        "Delete it, if it is not meant.",
     ),
     "open-contour": Code(
         "A contour that does not close.",
@@ -427,7 +437,11 @@ CODES: dict[str, Code] = {
     ),
     "inner-corners": Code(
         "sharp inner corners cannot be cut sharp: they keep the radius of the wire",
-        "a punch with sharp corners does not fit into a die cut so",
+        "a punch with sharp corners does not fit into a die cut so. A chamfer, or a few facets, "
+        "that the wire does not reach belong to their corner: less stays there than in the sharp "
+        "one. "
+        "What is drawn as an arc is a radius that is meant (interference), and so is a curve in "
+        "lines of small turns; walls within 30 degrees of parallel are those of a slot",
         "--corner with at least the offset rounds the corners of both",
     ),
     "thread-point-unused": Code(

@@ -38,8 +38,8 @@ def thin(
     contours: Sequence[Contour],
     keeps: Sequence[bool | None],
     parts: Sequence[int] | None = None,
-) -> list[Diagnostic]:
-    """Return a finding for each pair of contours with next to nothing between them.
+) -> tuple[list[Diagnostic], set[tuple[int, int]]]:
+    """Return a finding for each pair of contours with next to nothing between them, and the pairs.
 
     Less than `WALL_UM` of kept material is an error. Contours that run beside each other, at most
     `TWICE_UM` apart, for most of their length are a warning: seldom is that meant, be it a frame
@@ -56,10 +56,11 @@ def thin(
     and die.
     """
     if len(contours) < 2:
-        return []
+        return [], set()
     s, first = measure.segments_of_all([(c.vertices, c.closed) for c in contours])
     owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
-    found = []
+    found: list[tuple[float, float, Diagnostic]] = []
+    said: set[tuple[int, int]] = set()
     for (a, b), i, j in _pairs(s, owner, first):
         g = gaps(s.take(i), s.take(j))
         near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
@@ -71,6 +72,7 @@ def thin(
             # Equal, or not near at all; or a polygon whose corners lie on the other outline.
             share, far = beside(s.take(owner == a), s.take(owner == b), TWICE_UM)
             if share >= MOST and far > TOUCH_UM:
+                said.add((a, b))
                 wall = one and keeps[a] is not None and keeps[b] is not None
                 at = float(g.x[least]), float(g.y[least])
                 found.append(
@@ -84,6 +86,7 @@ def thin(
         within = WALL_UM if wall and not touch else TWICE_UM
         share = beside(s.take(owner == a), s.take(owner == b), within)[0]
         if share >= MOST or (wall and not touch):
+            said.add((a, b))
             found.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
     found.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
     listed = [f[2] for f in found[:LISTED]]
@@ -91,7 +94,7 @@ def thin(
         more = len(found) - LISTED
         say = error if any(f[2].severity is Severity.ERROR for f in found[LISTED:]) else warning
         listed.append(say("thin-wall", f"{more} further pairs of contours like these", count=more))
-    return listed
+    return listed, said
 
 
 def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:

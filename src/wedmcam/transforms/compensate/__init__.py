@@ -172,7 +172,7 @@ def compensate(
     )
     paths = tuple(every[k] for k in kept)
     pockets = tuple(every[k] for k in np.flatnonzero(backwards).tolist())
-    return Compensated(paths, interference, _inner_corners(source, raw), pockets), []
+    return Compensated(paths, interference, _inner_corners(source, raw, found), pockets), []
 
 
 def _without_conflicts(
@@ -244,11 +244,30 @@ def _unresolved(outlines: Sequence[Contour], source: Source, raw: Raw, found: Lo
     )
 
 
-def _inner_corners(source: Source, raw: Raw) -> int:
-    """Return how many neighbours in the drawing overlap once they are shifted."""
+def _inner_corners(source: Source, raw: Raw, found: Loops) -> int:
+    """Return how many neighbours in the drawing overlap once they are shifted.
+
+    Those before and behind what no piece of the path runs along (a chamfer) are one corner.
+    """
     e = np.flatnonzero(~raw.joined & (raw.following >= 0))
     f = raw.following[e]
-    return int(np.sum(source.following[raw.source[e]] == raw.source[f]))
+    drawn = source.following[raw.source[e]] == raw.source[f]
+    e, f = e[drawn], f[drawn]
+    used = np.zeros(len(raw.source), bool)
+    for loop in found.loops:
+        used[found.element[loop]] = True
+    if used[e].all():
+        return len(e)
+    before = np.full(len(used), -1)
+    has = raw.following >= 0
+    before[raw.following[has]] = np.flatnonzero(has)
+    enters = set(f.tolist())
+    count = len(e)
+    for k in e[~used[e]].tolist():
+        while k >= 0 and not used[k] and k not in enters:
+            k = int(before[k])
+        count -= k in enters and not used[k]
+    return count
 
 
 def _backwards(source: Source, raw: Raw, found: Loops) -> NDArray[np.bool_]:

@@ -1,9 +1,9 @@
 """Where the wire does not fit: segments that no piece of the wire path reaches.
 
-A sharp inner corner is no interference: the shifted neighbours are cut at their crossing and the
-corner keeps the radius of the wire. It is interference when the path leaves out a drawn segment
-(a fillet or a step smaller than the wire, everything beyond a neck), when a contour falls apart
-into several paths, or when it has none.
+An inner corner is no interference (`corner` says what is one): the shifted neighbours are cut at
+their crossing and the corner keeps the radius of the wire. It is interference when the path leaves
+out a drawn segment (a fillet or a step smaller than the wire, everything beyond a neck), when a
+contour falls apart into several paths, or when it has none.
 
 The path jumps over what it leaves out. A neck is jumped over twice, once from each side, so jumps
 that share a crossing or a left-out stretch of the outline are one finding.
@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.geom.segments import Floats, Ints, end_tangents, start_tangents
+from wedmcam.geom.segments import Floats, Ints
 from wedmcam.ir.contour import Contour
+from wedmcam.transforms.compensate.corner import is_inner_corner
 from wedmcam.transforms.compensate.raw import Raw, Source
 from wedmcam.transforms.compensate.resolve import Loops
 
@@ -28,8 +29,6 @@ Bools = NDArray[np.bool_]
 NEGLIGIBLE_UM = 2.0
 #: A shifted radius up to this is a corner: half a step of the machine; um.
 CORNER_UM = 0.5
-#: A turn of less than this is a tangent joint (radians): 1 um over 1 mm.
-TANGENT = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,7 +247,7 @@ def _findings(
                 length = float(source.segments.length[mine].sum())
                 row = int(source.row[first])
                 result.append(Interference("neighbour", at, number, row, left_out, length))
-        elif len(jumps) == 1 and not seen[m] and _is_inner_corner(source, int(a[m]), int(b[m])):
+        elif len(jumps) == 1 and not seen[m] and is_inner_corner(source, int(a[m]), int(b[m])):
             reach.lost[lost] = False
         elif len(lost) and reach.inside[lost].all() and not seen[jumps].any():
             radius = source.segments.radius[lost]
@@ -260,31 +259,6 @@ def _findings(
         elif seen[jumps].any():
             result.append(Interference("passage", at, number, int(source.row[a[m]]), (), 0.0))
     return result
-
-
-def _is_inner_corner(source: Source, a: int, b: int) -> bool:
-    """Return whether what lies between segments a and b is one leg of one sharp inner corner.
-
-    In a sharp inner corner the wire leaves its radius; where one leg is short, or the corner very
-    acute, that takes the whole leg. The other leg (a or b itself) is still cut. Two inner corners
-    are a chamfer, a step or a slot, an inner corner between two lost legs is a notch, and an arc
-    that turns to the wire is a fillet: all those are interference.
-    """
-    s = source.segments
-    chain = [a]
-    while chain[-1] != b:
-        chain.append(int(source.following[chain[-1]]))
-        if chain[-1] < 0 or len(chain) > len(source.contour):
-            return False
-    rows = np.array(chain)
-    side = np.sign(source.shift[rows[:-1]])
-    if (s.turn[rows[1:-1]] * side[1:] > 0).any():
-        return False
-    t1x, t1y = end_tangents(s.take(rows[:-1]))
-    t0x, t0y = start_tangents(s.take(rows[1:]))
-    turning = np.arctan2(t1x * t0y - t1y * t0x, t1x * t0x + t1y * t0y) * side
-    inner = np.flatnonzero(turning > TANGENT)
-    return len(inner) == 1 and int(inner[0]) in (0, len(rows) - 2)
 
 
 def _vanished(source: Source, number: int) -> Interference:

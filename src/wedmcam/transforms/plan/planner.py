@@ -8,10 +8,10 @@ from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, has_errors
 from wedmcam.ir.plan import Cut, Plan, Scene, outline_numbers
 from wedmcam.options import Options
-from wedmcam.transforms import walls
 from wedmcam.transforms.plan.cuts import cuts_of
 from wedmcam.transforms.plan.idle import Used, of_path
 from wedmcam.transforms.plan.leads import Threaded, across
+from wedmcam.transforms.plan.material import thin_material
 from wedmcam.transforms.plan.paths import planned_paths
 from wedmcam.transforms.plan.pieces import Piece, pieces_of
 from wedmcam.transforms.plan.scenes import scenes_of
@@ -43,14 +43,9 @@ def plan_cuts(
     found += problems
     if has_errors(found):
         return None, found
-    numbered = [(number, piece) for number, scene in enumerate(scenes) for piece in scene.pieces]
     for plate in sorted({scene.plate for scene in scenes}):
-        mine = [(n, piece) for n, piece in numbered if scenes[n].plate == plate]
-        found += walls.thin(
-            [piece.contour for _, piece in mine],
-            [piece.outside for _, piece in mine],
-            [number for number, _ in mine],
-        )
+        own = [scene for scene in scenes if scene.plate == plate]
+        found += thin_material(own, options.thin_wall_um)
     if has_errors(found):
         return None, found
     cuts: list[tuple[int, Cut]] = []

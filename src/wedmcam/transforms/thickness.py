@@ -1,0 +1,179 @@
+"""Kept material that is too thin or too small to be meant: walls, fins, necks, and specks.
+
+What is drawn is what is cut: a fin of 0.03 mm stands for a moment and breaks, and a circle of 2 um
+that slipped into a drawing gets a thread point and a cut of its own. Both are warnings, with the
+place. Material is measured as drawn; with the wire on the line, where no side is kept, it is what
+lies inside of outer contours and not in holes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, warning
+from wedmcam.geom import measure, thickness
+from wedmcam.geom.segments import Ints, points_at
+from wedmcam.ir.contour import Contour
+from wedmcam.transforms.doubles import NOISE_UM, mm, place, steady
+from wedmcam.transforms.walls import LISTED, TOUCH_UM
+
+#: No wire cuts what is smaller than this, um: the finest ones, of 0.02 mm, take it with their gap.
+SPECK_UM = 50.0
+#: Points of each segment that say how large a contour is.
+SHARES = np.linspace(0.0, 1.0, 9)[:-1]
+
+
+def specks(
+    contours: Sequence[Contour], inside: Sequence[bool], offsets: Sequence[float]
+) -> tuple[list[Diagnostic], list[bool]]:
+    """Return a warning for each closed contour that no wire makes, and which ones are that.
+
+    A hole is one below `SPECK_UM`. So is a piece of kept material, and one that is smaller than the
+    cut that frees it: twice the offset.
+
+    Args:
+        contours: lines and arcs, um.
+        inside: for each, whether the material inside of it is kept.
+        offsets: for each, of the wire, um.
+    """
+    if not contours:
+        return [], []
+    box = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
+    kerf = np.where(inside, 2.0 * np.abs(offsets), 0.0)
+    limit = np.maximum(kerf, SPECK_UM)
+    small = np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1]) < limit
+    small &= np.array([c.closed for c in contours])
+    found = []
+    for k in np.flatnonzero(small).tolist():
+        size = _across(contours[k])
+        small[k] = size < limit[k] - NOISE_UM
+        if not small[k]:
+            continue
+        x, y = 0.5 * (box[k, 0] + box[k, 2]), 0.5 * (box[k, 1] + box[k, 3])
+        than = "anything a wire cuts" if size < SPECK_UM else f"its own cut, {mm(limit[k])} mm wide"
+        found.append(
+            warning(
+                "speck",
+                f"the contour at {place(x, y)} mm is smaller ({_thick(size)}) than {than}",
+                contours[k].source_of(0),
+                hint="delete it, if it is not meant",
+                points_mm=((x / 1e3, y / 1e3),),
+            )
+        )
+    return _listed(found, "speck", "contours as small as these"), small.tolist()
+
+
+def _across(contour: Contour) -> float:
+    """Return how far the farthest two points of a contour are apart, um."""
+    s = measure.segments_of(contour.vertices, True)
+    rows = np.repeat(np.arange(len(s)), len(SHARES))
+    x, y = points_at(s.take(rows), np.tile(SHARES, len(s)) * s.length[rows])
+    if len(x) > 1000:  # a speck of so many points is one all the same
+        x, y = x[:: len(x) // 1000], y[:: len(y) // 1000]
+    return float(np.hypot(x[:, None] - x, y[:, None] - y).max())
+
+
+def thin_walls(
+    contours: Sequence[Contour],
+    part: bool,
+    below_um: float,
+    numbers: Sequence[int],
+    said: Set[tuple[int, int]],
+) -> list[Diagnostic]:
+    """Return a warning for each wall, fin or neck of kept material below a thickness.
+
+    Tips are none, however acute, sharp or cut off by a chamfer or a fillet: two stretches that meet
+    at a corner, or would.
+
+    Args:
+        contours: closed ones of one part.
+        part: what an odd number of them encloses is kept; False: the rest is.
+        below_um: no wall is thinner on purpose; 0 for no warnings.
+        numbers: of the contours, for ``said``.
+        said: pairs of numbers, the lower first, of which it was said already.
+    """
+    if below_um <= 0 or not contours:
+        return []
+    s, first = measure.segments_of_all([(c.vertices, True) for c in contours])
+    owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
+    w = thickness.walls(s, owner, below_um)
+    size = np.asarray(w.size)
+    keep = (size > TOUCH_UM) & (size < below_um - NOISE_UM)
+    if said and keep.any():
+        pair = np.sort(np.array(numbers)[np.stack([owner[w.i], owner[w.j]])], axis=0)
+        keep &= np.array([p not in said for p in zip(*pair.tolist(), strict=True)], np.bool_)
+    rows = np.flatnonzero(keep)
+    if not len(rows):
+        return []
+    rows = rows[measure.Inside(s)(w.x[rows], w.y[rows]) == part]
+    found = []
+    for k in _one_each(w, rows, first, owner).tolist():
+        a, b = (int(n) for n in (w.i[k], w.j[k]))
+        ca, cb = contours[owner[a]], contours[owner[b]]
+        spans = ca.source_of(a - int(first[owner[a]])), cb.source_of(b - int(first[owner[b]]))
+        spans = tuple(sorted(spans, key=str))
+        x, y = float(w.x[k]), float(w.y[k])
+        between = "two contours" if ca is not cb else "two stretches of one contour"
+        found.append(
+            warning(
+                "thin-wall",
+                f"the wall between {between} is {_thick(float(w.size[k]))} thick at "
+                f"{place(x, y)} mm",
+                spans[0],
+                notes=(("its other side", spans[1]),),
+                hint=f"below --thin-wall ({mm(below_um)} mm) a wall seldom stands: draw it thicker",
+                points_mm=((x / 1e3, y / 1e3),),
+            )
+        )
+    return _listed(found, "thin-wall", "walls as thin as these")
+
+
+def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints) -> Ints:
+    """Return the thinnest place of each wall, in order of place.
+
+    Places on the same two segments, or on neighbours of them, are of one wall.
+    """
+    n = len(owner)
+    order = np.lexsort((steady(w.x[rows]), steady(w.y[rows]), steady(w.size[rows])))
+    rows = rows[order]
+    low, high = np.minimum(w.i[rows], w.j[rows]), np.maximum(w.i[rows], w.j[rows])
+    last = np.append(first[1:], n) - 1
+    after, before = np.arange(1, n + 1), np.arange(-1, n - 1)
+    after[last], before[first] = first, last
+    codes = low * n + high
+    by_code = np.argsort(codes, kind="stable")
+    keys = codes[by_code]
+    links: list[NDArray[np.int64]] = []
+    for a in (low, after[low], before[low]):
+        for b in (high, after[high], before[high]):
+            wanted = np.minimum(a, b) * n + np.maximum(a, b)
+            at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+            met = np.flatnonzero(keys[at] == wanted)
+            links.append(np.stack([met, by_code[at[met]]]))
+    one, other = np.concatenate(links, axis=1)
+    label = np.arange(len(rows))
+    while True:  # labels flow to the smallest, the thinnest place of each wall
+        seen = label.copy()
+        least = np.minimum(label[one], label[other])
+        np.minimum.at(label, one, least)
+        np.minimum.at(label, other, least)
+        label = label[label]
+        if (label == seen).all():
+            break
+    best = rows[np.flatnonzero(label == np.arange(len(rows)))]
+    return best[np.lexsort((steady(w.x[best]), steady(w.y[best])))]
+
+
+def _thick(um: float) -> str:
+    return f"{um / 1000:.4f} mm, {um:.1f} um" if um < 1000 else f"{mm(um)} mm"
+
+
+def _listed(found: list[Diagnostic], code: str, what: str) -> list[Diagnostic]:
+    """Return the first findings, and one for the rest."""
+    if len(found) <= LISTED:
+        return found
+    more = len(found) - LISTED
+    return [*found[:LISTED], warning(code, f"{more} further {what}", count=more)]

@@ -382,6 +382,10 @@ def _say_proof(proof: Any, verbose: bool) -> None:
             f"starts at ({v.origin_um[0] / 1000:.3f}, {v.origin_um[1] / 1000:.3f}) mm",
             err=True,
         )
+        if proof.understood is not None:
+            for line in say.understood_lines(proof.understood, verbose):
+                click.echo(line, err=True)
+            click.echo(say.counts_line(proof.understood), err=True)
         click.echo(say.proof_line(proof), err=True)
         if verbose:
             t = v.table

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wedmcam.ir.contour import Contour
+from wedmcam.ir.sketch import ThreadPoint
 
 #: Outlines are one whose extremes, of vertices and centres, are the same to so many digits behind
 #: the point, um.
@@ -55,6 +56,7 @@ class Cut:
         side: as asked for; ``inside`` and ``outside`` of a part program are what their scene keeps.
         offset_um: distance from the outline to the wire's centre; 0 for ``on``.
         scene: which of the plan's ``scenes`` it is of, from 0.
+        stated: the thread point as it was stated; None where wedmcam placed it.
     """
 
     outline: Contour | None
@@ -68,6 +70,7 @@ class Cut:
     side: Side = Side.ON
     offset_um: float = 0.0
     scene: int = 0
+    stated: ThreadPoint | None = None
 
 
 def outline_numbers(cuts: Sequence[Cut]) -> list[int]:

@@ -33,11 +33,15 @@ SEGMENT = np.dtype(
 
 @dataclass(frozen=True, slots=True)
 class ThreadPoint:
-    """A start hole: (x, y) in um, drawing coordinates, and where it was stated."""
+    """A start hole: (x, y) in um, drawing coordinates, and where it was stated.
+
+    ``option``: the option that states it, such as "--start 1"; empty for one of the source.
+    """
 
     x: float
     y: float
     span: Span | None = None
+    option: str = ""
 
 
 @dataclass(frozen=True, slots=True)

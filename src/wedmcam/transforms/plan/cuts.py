@@ -76,6 +76,7 @@ def cuts_of(
             planned.sides[path.contour],
             path.offset_um,
             number,
+            one.stated,
         )
         made.append((cut_of[k], cut))
         if item.lead is not None and not one.measured:

@@ -44,7 +44,13 @@ def cut_of_drawing(
         options: state side, further thread points and order.
     """
     item = CutItem("", Shape(()), _WORDS[options.effective_side], None)
-    starts = (*threads, *(ThreadPoint(x, y) for x, y in options.starts_um))
+    starts = (
+        *threads,
+        *(
+            ThreadPoint(x, y, option=f"--start {k}")
+            for k, (x, y) in enumerate(options.starts_um, 1)
+        ),
+    )
     order = options.order or Order.INNER_FIRST
     cut = ShapedCut(item, tuple(contours), starts, order=order, nesting=nesting)
     return (cut,), _unfit(contours, options)

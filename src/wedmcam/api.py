@@ -920,7 +920,7 @@ def inspect(
     except Refused:
         return Inspection(None, {"input": name}, tuple(run.found))
     facts, more = facts_of(name, drawn, options)
-    run.found += (*drawn.held, *more)
+    run.found += (*drawn.doubts, *more)
     return Inspection(drawn, facts, tuple(run.found))
 
 

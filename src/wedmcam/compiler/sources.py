@@ -28,7 +28,8 @@ class Drawn:
     """What was drawn: loose segments, and the contours they make.
 
     ``computed``: formulas made the contours: in another arithmetic they are others.
-    ``held``: findings about outlines that are held by what is not read; errors stop the plan.
+    ``doubts``: findings about outlines that are held by what is not read (errors, which stop the
+    plan) and about frames.
     """
 
     sketch: Sketch
@@ -36,7 +37,7 @@ class Drawn:
     report: ChainReport
     nesting: Nesting
     computed: bool
-    held: tuple[Diagnostic, ...] = ()
+    doubts: tuple[Diagnostic, ...] = ()
 
     @property
     def words(self) -> Wording:
@@ -79,6 +80,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.frontends.dxf import DxfOptions
     from wedmcam.frontends.dxf import read as read_dxf
     from wedmcam.transforms.chain import chain
+    from wedmcam.transforms.frames import doubtful
     from wedmcam.transforms.held import held
     from wedmcam.transforms.nest import nest
 
@@ -96,7 +98,9 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     about = held(sketch, contours, options.join_um, options.offset_um or 0.0)
     if options.transforms:
         sketch, contours = _transformed(sketch, contours, options, run)
-    return Drawn(sketch, contours, report, nest(contours), bool(options.transforms), about)
+    nesting = nest(contours)
+    about += doubtful(nesting, sketch.texts)
+    return Drawn(sketch, contours, report, nesting, bool(options.transforms), about)
 
 
 def source_format(data: bytes, file: str, options: Options) -> str:
@@ -174,6 +178,6 @@ def where_the_wire_goes(drawn: Drawn, options: Options, run: Run) -> Plan:
     """Return the plan: sides, compensation, leads, order."""
     from wedmcam.transforms.plan.planner import plan_cuts
 
-    run.add("nest", drawn.held)
+    run.add("nest", drawn.doubts)
     cuts = run("open", drawn.cuts(options))
     return run("plan", plan_cuts(cuts, options, arithmetic(options), drawn.words))

@@ -224,7 +224,7 @@ class Row:
     def role_text(self) -> str:
         """The role; where contours lie deeper than a hole, the depth too."""
         deep = self.depth > 1 and self.role is not Role.OPEN
-        return f"{self.role}, {self.depth} deep" if deep else str(self.role)
+        return f"{self.role}, {self.depth + 1} deep" if deep else str(self.role)
 
     @property
     def kept_text(self) -> str:

@@ -540,8 +540,8 @@ def verify(
     summary = _proof_summary(
         run, machine, options, name, data, drawing_name, drawing, drawn, told, verdict, known
     )
-    found = tuple(run.found)
-    return Proof(not errors, decoded, verdict, plan, machine, summary, found, status, known)
+    said = tuple(run.found)
+    return Proof(not errors, decoded, verdict, plan, machine, summary, said, status, known)
 
 
 def read_program(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -148,7 +149,9 @@ def compile_command(
     if sheet is not None:
         from wedmcam.setup_sheet import written
 
-        files.append((sheet, written(made, Path(output).name, sheet, feed)))
+        beside = "" if plot_ is None else os.path.relpath(plot_, Path(sheet).parent)
+        more = {"wire_um": asked["wire_um"], "gap_um": asked["gap_um"], "picture": beside}
+        files.append((sheet, written(made, Path(output).name, sheet, feed, **more)))
     write_outputs(files)
     if not asked["quiet"]:
         say.say_report(made, output, asked["verbose"])

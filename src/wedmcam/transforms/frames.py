@@ -79,7 +79,7 @@ def _outermost(k: int, parents: Sequence[int]) -> int:
 
 def _rectangle(contour: Contour, box: Floats) -> bool:
     x0, y0, x1, y1 = box.tolist()
-    return abs(measure.area(contour.vertices)) > RECTANGLE * (x1 - x0) * (y1 - y0)
+    return bool(abs(measure.area(contour.vertices)) > RECTANGLE * (x1 - x0) * (y1 - y0))
 
 
 def _bored(k: int, inner: Sequence[int], contours: Sequence[Contour], boxes: Floats) -> bool:

@@ -19,6 +19,7 @@ from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
+from wedmcam.ir.understanding import Understanding
 from wedmcam.machines import Machine
 from wedmcam.options import READING, Options, WrongUse, check_reading, nm_of
 from wedmcam.targets import Entries, Target, target_of
@@ -49,6 +50,7 @@ class Compilation:
         stage: where it stopped; empty when ``ok``.
         lowered: the program as it was encoded: with roles and with what each block was drawn by.
         entries: what the operator enters beside the program.
+        understood: what is cut and how, a row a contour; None where no plan was made.
     """
 
     ok: bool
@@ -64,6 +66,7 @@ class Compilation:
     stage: str = ""
     lowered: Program | None = None
     entries: Entries | None = None
+    understood: Understanding | None = None
 
     @property
     def status(self) -> int:
@@ -158,6 +161,7 @@ def compile_plan(
     if entries is not None and entries.d:  # belongs to the program
         options = replace(options, d=entries.d)
     ok, drawn = not stage, made.get("drawn")
+    known = _understood(made.get("plan"))
     out = made["encode"] if ok else None
     return Compilation(
         ok,
@@ -177,13 +181,22 @@ def compile_plan(
             out,
             drawn,
             verdict if ok else None,
+            known,
         ),
         options,
         tuple(run.found),
         stage,
         made.get("lower"),
         entries,
+        known,
     )
+
+
+def _understood(plan: Plan | None) -> Understanding | None:
+    """Return what was understood; None where nothing was planned."""
+    from wedmcam.programs.understanding import understood
+
+    return None if plan is None else understood(plan)
 
 
 def source_map(made: Compilation) -> dict[str, Any]:
@@ -351,8 +364,10 @@ def _summary(
     out: bytes | None,
     drawn: Drawn | None,
     verdict: Verdict | None,
+    understood: Understanding | None,
 ) -> dict[str, Any]:
     """Return the certificate, or what is known of it when there is no verdict."""
+    rows = None if understood is None else understood.as_data()
     units = drawn.sketch.info.units if drawn else None
     if verdict is None:
         from wedmcam.judge.certificate import finding_data, fingerprint
@@ -373,6 +388,7 @@ def _summary(
             "side": str(options.effective_side),
             "diagnostics": [finding_data(d) for d in found],
             "ok": False,
+            "understood": rows,
             "arithmetic": options.arithmetic,
             "sha256": {"input": fingerprint(data)},
         }
@@ -395,6 +411,7 @@ def _summary(
         options=options.as_data(),
         version=__version__,
     )
+    result["understood"] = rows
     result["arithmetic"] = options.arithmetic
     step = machine.axes.step_um
     result["step_um"] = int(step) if step == int(step) else step
@@ -427,6 +444,7 @@ class Proof:
         summary: the certificate.
         findings: everything that was found.
         status: the exit status.
+        understood: what the drawing is to be, a row a contour; None without one.
     """
 
     ok: bool
@@ -437,6 +455,7 @@ class Proof:
     summary: dict[str, Any]
     findings: tuple[Diagnostic, ...]
     status: int
+    understood: Understanding | None = None
 
 
 def verify(
@@ -520,10 +539,12 @@ def verify(
         stage = why.stage
     errors = has_errors(run.found)
     status = 0 if not errors else (3 if stage in ("verify", "certificate") else 1)
+    known = _understood(plan)
     summary = _proof_summary(
-        run, machine, options, name, data, drawing_name, drawing, drawn, told, verdict
+        run, machine, options, name, data, drawing_name, drawing, drawn, told, verdict, known
     )
-    return Proof(not errors, decoded, verdict, plan, machine, summary, tuple(run.found), status)
+    said = tuple(run.found)
+    return Proof(not errors, decoded, verdict, plan, machine, summary, said, status, known)
 
 
 def read_program(
@@ -742,14 +763,17 @@ def _proof_summary(
     drawn: Drawn | None,
     told: dict[str, Any],
     verdict: Verdict | None,
+    known: Understanding | None,
 ) -> dict[str, Any]:
     if verdict is not None:
         summary = _summary(
-            run.found, machine, options, drawing_name, drawing, name, data, drawn, verdict
+            run.found, machine, options, drawing_name, drawing, name, data, drawn, verdict, known
         )
         summary["ok"] = not has_errors(run.found)
         return summary
-    summary = _summary(run.found, machine, options, drawing_name, drawing, name, None, drawn, None)
+    summary = _summary(
+        run.found, machine, options, drawing_name, drawing, name, None, drawn, None, known
+    )
     summary |= {"input": drawing_name or None, "output": name, "side": None, "offset_um": None}
     summary |= told
     if not drawing:
@@ -899,7 +923,7 @@ def inspect(
     except Refused:
         return Inspection(None, {"input": name}, tuple(run.found))
     facts, more = facts_of(name, drawn, options)
-    run.found += (*drawn.held, *more)
+    run.found += (*drawn.doubts, *more)
     return Inspection(drawn, facts, tuple(run.found))
 
 

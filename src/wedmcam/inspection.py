@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +14,9 @@ from wedmcam.geom import measure
 from wedmcam.geom import segments as seg
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
+from wedmcam.ir.understanding import Role, counted
 from wedmcam.options import Options
+from wedmcam.programs.understanding import drawn_by
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.compensate import largest_offset
 
@@ -32,6 +35,7 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
     boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     closed = [c for c in contours if c.closed]
+    roles = Counter(Role.of(c.closed, depth) for c, depth, _ in _listed(drawn))
     facts: dict[str, Any] = {
         "input": name,
         "units": info.units,
@@ -45,8 +49,10 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
         "contours": len(contours),
         "closed": len(closed),
         "open": len(contours) - len(closed),
-        "outer": sum(c.closed and d % 2 == 0 for c, d in _nested(drawn)),
-        "holes": sum(c.closed and d % 2 == 1 for c, d in _nested(drawn)),
+        "outer": roles[Role.OUTER],
+        "holes": roles[Role.HOLE],
+        "islands": roles[Role.ISLAND],
+        "understood": counted(roles.elements()),
         "thread_points_mm": [_mm([p.x, p.y]) for p in drawn.sketch.thread_points],
         "joins": drawn.report.joins,
         "largest_join_um": round(drawn.report.max_shift_um, 3),
@@ -85,10 +91,6 @@ def _mm(values: Any) -> list[float]:
     return [round(float(v) / 1000, 3) + 0.0 for v in values]
 
 
-def _nested(drawn: Drawn) -> list[tuple[Contour, int]]:
-    return list(zip(drawn.contours, drawn.nesting.depths, strict=True))
-
-
 def _listed(drawn: Drawn) -> list[tuple[Contour, int, int]]:
     return list(zip(drawn.contours, drawn.nesting.depths, drawn.nesting.parents, strict=True))
 
@@ -99,7 +101,8 @@ def _one(number: int, c: Contour, depth: int, parent: int) -> dict[str, Any]:
     return {
         "number": number + 1,
         "closed": c.closed,
-        "role": ("outer" if depth % 2 == 0 else "hole") if c.closed else "open",
+        "role": str(Role.of(c.closed, depth)),
+        "depth": depth,
         "inside": parent + 1 if parent >= 0 else None,
         "lines": int(np.sum(turn == 0)),
         "arcs": int(np.sum(turn != 0)),
@@ -107,6 +110,7 @@ def _one(number: int, c: Contour, depth: int, parent: int) -> dict[str, Any]:
         "area_mm2": round(abs(measure.area(c.vertices)) / 1e6, 3) if c.closed else None,
         "extents_mm": _mm(box),
         "first": str(c.source_of(0)) if c.source_of(0) else None,
+        "drawn_by": drawn_by(c).as_data(),
     }
 
 

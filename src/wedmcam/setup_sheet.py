@@ -1,17 +1,22 @@
 """The sheet that goes to the machine with a program: ``--setup-sheet FILE``.
 
 Which start holes to drill and where, where the machine's zero is, what to do each time it stops,
-and how long it takes. Everything is told of the decoded program, as the controller will run it, and
-not of the drawing.
+what comes loose when, and how long it takes. Places and times are those of the decoded program, as
+the controller will run it; what the contours are is what was understood of the source.
 """
 
 from __future__ import annotations
 
+from base64 import b64encode
+from collections import Counter
+from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag import visible
 from wedmcam.ir.program import Kind
+from wedmcam.ir.understanding import HEADINGS, place
+from wedmcam.programs.loose import loose
 from wedmcam.programs.places import block_ends
 
 if TYPE_CHECKING:
@@ -20,61 +25,126 @@ if TYPE_CHECKING:
 
 CUTTING = (Kind.LINE, Kind.ARC)
 Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
+#: A larger picture is not put into a text, characters.
+LARGEST_PICTURE = 1_000_000
 
 
-def sheet(made: Compilation, name: str, feed_um: float | None = None) -> list[tuple[str, Any]]:
-    """Return the sheet as (heading, text or table) pairs.
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """The picture of the program, and the file it stands in, if any."""
+
+    svg: str
+    file: str = ""
+
+
+def sheet(
+    made: Compilation,
+    name: str,
+    feed_um: float | None = None,
+    *,
+    wire_um: float | None = None,
+    gap_um: float | None = None,
+    picture: str = "",
+) -> list[tuple[str, Any]]:
+    """Return the sheet as (heading, text or table or picture) pairs.
 
     Args:
         made: a compile that is ok.
         name: of the program.
         feed_um: cutting speed, um a minute; None for no times.
+        wire_um: diameter of the wire; None where only an offset was stated.
+        gap_um: spark gap, likewise.
+        picture: file of the picture that is written with the sheet; empty for none.
     """
+    from wedmcam.api import plot
+
     assert made.program is not None
     assert made.verdict is not None
     assert made.plan is not None
-    v, m, program = made.verdict, made.machine, made.program
-    x0, y0 = program.origin_um
+    assert made.understood is not None
+    v, m, program, known = made.verdict, made.machine, made.program, made.understood
+    zero = program.origin_um
     entered = made.entries.lines() if made.entries else []
+    ways = Counter(row.direction for row in known.rows)
     facts = [
         ("program", visible(name)),
         ("made of", visible(str(made.summary["input"]))),
         ("controller", visible(f"{m.title} ({m.name})")),
+        ("cuts", known.counts),
         ("axes", _axes(m)),
         ("program's SHA-256", made.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
+        ("wire, gap", _wire(wire_um, gap_um)),
         ("offset, side", f"{made.plan.offsets_text}, {v.side}"),
         *((f"offset {d}, to be entered", um) for d, um in entered),
-        ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm".format(
+        ("direction", ", ".join(f"{n} {way}" for way, n in ways.items())),
+        ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm in the drawing".format(
             *(e / 1000 for e in v.extents_um))),
+        ("extents from zero", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm".format(
+            *((e - o) / 1000 for e, o in zip(v.extents_um, (*zero, *zero), strict=True)))),
         ("proof", f"deviation {v.max_deviation_um:.2f} um, gouge "
                   f"{'-' if v.gouge_um is None else f'{v.gouge_um:.2f} um'}, closure "
                   f"{'-' if v.closure_um is None else f'{v.closure_um:.0f} um'}"),
     ]  # fmt: skip
-    holes, own = [], [cut.offset_um for cut in made.plan.cuts]
-    for n, cut in enumerate(v.cuts, 1):
+    holes = []
+    for cut, row in zip(v.cuts, known.rows, strict=True):
         tx, ty = _start(made, cut.first_block - 1)
         holes.append(
-            (f"T{n}", *(f"{c / 1000:.3f}" for c in (tx, ty, tx - x0, ty - y0)),
-             f"{cut.first_block} to {cut.last_block}", f"{own[n - 1] / 1000:.3f}",
+            (row.thread.name,
+             *(f"{c / 1000 + 0.0:.3f}" for c in (tx, ty, tx - zero[0], ty - zero[1])),
+             f"{cut.first_block} to {cut.last_block}", f"{row.offset_um / 1000:.3f}",
              f"{cut.length_mm:.3f}",
-             _time(cut.length_mm, feed_um).strip(" ()"))
+             _time(cut.length_mm, feed_um).strip(" ()"), row.thread.origin)
         )  # fmt: skip
     return [
         ("Setup sheet", (("what", "value"), facts)),
         (
             "Zero",
-            f"The program starts at the first start hole, ({x0 / 1000:.3f}, {y0 / 1000:.3f}) mm in "
-            "the drawing. Set the machine to zero there; all else is counted from it.",
+            f"The program starts at the first start hole, {place(zero)} mm in the drawing. Set the "
+            "machine to zero there; places 'from zero' are counted from it, places 'in the "
+            "drawing' are those of the drawing.",
         ),
         (
             "Start holes",
-            (("hole", "x drawing", "y drawing", "x from zero", "y from zero", "blocks",
-              "offset mm", "path mm", "time"), holes),
+            (("hole", "x in the drawing", "y in the drawing", "x from zero", "y from zero",
+              "blocks", "offset mm", "path with leads mm", "time", "placed by"), holes),
         ),
-        ("Where the machine stops", (("block", "place mm", "what to do"), _stops(made))),
+        ("Who placed them", ". ".join(known.threads) + "."),
+        ("Contours", (HEADINGS, [(f"{r.number} ({r.thread.name})", *r.cells[1:])
+                                 for r in known.rows])),
+        ("What comes loose", _loose(made, zero)),
+        (
+            "Where the machine stops",
+            (("block", "in the drawing mm", "what to do", "from zero mm"), _stops(made, zero)),
+        ),
+        ("Picture", Picture(plot(made, name), picture)),
     ]  # fmt: skip
+
+
+def _wire(wire_um: float | None, gap_um: float | None) -> str:
+    if wire_um is None or gap_um is None:
+        return "not stated; the offset holds half the wire and the gap"
+    wire, gap = wire_um / 1000, gap_um / 1000
+    return f"wire {wire:.3f} mm, gap {gap:.3f} mm: offset {wire / 2 + gap:.3f} mm = wire / 2 + gap"
+
+
+def _loose(made: Compilation, zero: tuple[float, float]) -> Table | str:
+    """Return which cut frees what, and where the wire is then."""
+    assert made.understood is not None
+    assert made.program is not None
+    assert made.lowered is not None
+    rows: list[tuple[str, ...]] = []
+    for one in loose(made.understood, made.lowered, made.program, made.machine):
+        contour = made.understood.rows[one.number - 1]
+        what = f"the {one.what} of contour {one.number} ({contour.role_text}, {contour.size_text})"
+        stop = f"{contour.stop_um / 1000:.3f} mm before"
+        wait = f"; the machine waits {stop}" if contour.stop_um else "; the machine does not wait"
+        there = (one.at[0] - zero[0], one.at[1] - zero[1])
+        done = f"{one.along_um / 1000:.3f}"
+        rows.append((str(one.block), done, place(one.at), place(there), f"{what} is loose{wait}"))
+    heads = ("end of block", "after mm of its cut", "in the drawing mm", "from zero mm", "what")
+    return (heads, rows) if rows else "Nothing: no contour is cut through."
 
 
 def _axes(machine: Machine) -> str:
@@ -110,14 +180,16 @@ def _start(made: Compilation, row: int) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _stops(made: Compilation) -> list[tuple[str, ...]]:
+def _stops(made: Compilation, zero: tuple[float, float]) -> list[tuple[str, ...]]:
     """Return what to do at every record at which the machine waits."""
     assert made.program is not None
     kinds = made.program.blocks["kind"]
     ends = _ends(made)
-    out: list[tuple[str, ...]] = [
-        ("before 1", _mm(made.program.origin_um), "thread the wire through T1; generator on")
-    ]
+
+    def stop(when: str, at: Any, what: str) -> tuple[str, ...]:
+        return (when, place(at), what, place((at[0] - zero[0], at[1] - zero[1])))
+
+    out = [stop("before 1", zero, "thread the wire through T1; generator on")]
     thread = 1
     for row, kind in enumerate(kinds.tolist()):
         if kind not in (Kind.PAUSE, Kind.STOP, Kind.END, Kind.THREAD):
@@ -138,19 +210,29 @@ def _stops(made: Compilation) -> list[tuple[str, ...]]:
         else:
             thread += 1
             what = f"the same hole again: T{thread} stands where T{thread - 1} does; go on"
-        out.append((str(row + 1), _mm(ends[row]), what))
+        out.append(stop(str(row + 1), ends[row], what))
     return out
 
 
-def _mm(place: Any) -> str:
-    return f"({place[0] / 1000:.3f}, {place[1] / 1000:.3f})"
+def markdown(parts: list[tuple[str, Any]], inline: bool = True) -> str:
+    """Return a sheet as Markdown, which reads as plain text too.
 
-
-def markdown(parts: list[tuple[str, Any]]) -> str:
-    """Return a sheet as Markdown, which reads as plain text too."""
-    lines = []
+    ``inline``: a picture without a file of its own stands in the last line, as data.
+    """
+    lines, data = [], ""
     for level, (heading, body) in enumerate(parts):
         lines += [f"{'#' if level == 0 else '##'} {heading}", ""]
+        if isinstance(body, Picture):
+            if body.file:
+                lines += [f"![{body.file}]({body.file})", ""]
+            elif inline and len(body.svg) <= LARGEST_PICTURE:
+                lines += ["![the program][picture]", ""]
+                data = (
+                    "[picture]: data:image/svg+xml;base64," + b64encode(body.svg.encode()).decode()
+                )
+            else:
+                lines += ["--plot FILE.svg draws it beside, a sheet FILE.html holds it.", ""]
+            continue
         if isinstance(body, str):
             lines += [body, ""]
             continue
@@ -161,17 +243,21 @@ def markdown(parts: list[tuple[str, Any]]) -> str:
                 "| " + " | ".join(c.ljust(w) for c, w in zip(row, width, strict=True)) + " |"
             )
         lines.append("")
-    return "\n".join(lines)
+    return "\n".join([*lines, data, ""] if data else lines)
 
 
 def html(parts: list[tuple[str, Any]]) -> str:
     """Return a sheet as a page to print."""
     out = ['<!doctype html><meta charset="utf-8"><title>Setup sheet</title>',
            "<style>body{font:14px sans-serif;margin:2em}table{border-collapse:collapse}"
-           "td,th{border:1px solid #999;padding:.3em .6em;text-align:left}</style>"]  # fmt: skip
+           "td,th{border:1px solid #999;padding:.3em .6em;text-align:left}"
+           "svg{max-width:100%;height:auto}</style>"]  # fmt: skip
     for level, (heading, body) in enumerate(parts):
         tag = "h1" if level == 0 else "h2"
         out.append(f"<{tag}>{escape(heading)}</{tag}>")
+        if isinstance(body, Picture):
+            out.append(body.svg[body.svg.index("<svg") :])
+            continue
         if isinstance(body, str):
             out.append(f"<p>{escape(body)}</p>")
             continue
@@ -182,11 +268,18 @@ def html(parts: list[tuple[str, Any]]) -> str:
     return "\n".join(out) + "\n"
 
 
-def written(made: Compilation, name: str, file: str, feed_um: float | None) -> bytes:
-    """Return the sheet in the form that its file's name tells: .html, else Markdown."""
-    parts = sheet(made, name, feed_um)
-    page = file.lower().endswith((".html", ".htm"))
-    return (html(parts) if page else markdown(parts)).encode("utf-8")
+def written(
+    made: Compilation, name: str, file: str, feed_um: float | None = None, **more: Any
+) -> bytes:
+    """Return the sheet in the form that its file's name tells: .html, .txt, else Markdown.
+
+    ``more``: as of `sheet`.
+    """
+    parts = sheet(made, name, feed_um, **more)
+    ending = file.lower().rpartition(".")[2]
+    if ending in ("html", "htm"):
+        return html(parts).encode("utf-8")
+    return markdown(parts, inline=ending != "txt").encode("utf-8")
 
 
-__all__ = ["html", "markdown", "sheet", "written"]
+__all__ = ["Picture", "html", "markdown", "sheet", "written"]

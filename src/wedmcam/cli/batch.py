@@ -28,6 +28,7 @@ from wedmcam.diag import json_text, visible
 from wedmcam.options import SUFFIX_OF_FORMAT, WrongUse
 
 if TYPE_CHECKING:
+    from wedmcam.api import Compilation
     from wedmcam.machines import Machine
     from wedmcam.options import Options
 
@@ -197,6 +198,7 @@ def make(item: Item, force_units: bool) -> Outcome:
             assert made.data is not None
             Path(item.output).parent.mkdir(parents=True, exist_ok=True)
             write_outputs([(item.output, made.data)])
+            text = "\n".join(filter(None, (text, _line(item, made))))
         record = _record(item, made.status, made.summary)
         return Outcome(item, made.status, text, record, warnings)
     except WrongUse as why:
@@ -208,6 +210,17 @@ def make(item: Item, force_units: bool) -> Outcome:
     except Exception as why:  # a bug of ours must not stop the others
         text = visible(f"{item.source}: internal error: {type(why).__name__}: {why}")
         return Outcome(item, 70, text, _record(item, 70, error=text))
+
+
+def _line(item: Item, made: Compilation) -> str:
+    """Return what was understood of a drawing and what became of it, in one line."""
+    assert made.understood is not None
+    assert made.verdict is not None
+    v = made.verdict
+    return (
+        f"{item.source}: cuts {made.understood.counts}; {item.output}  {v.blocks} blocks, "
+        f"deviation {v.max_deviation_um:.2f} um"
+    )
 
 
 def _record(

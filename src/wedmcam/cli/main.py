@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -149,7 +150,9 @@ def compile_command(
     if sheet is not None:
         from wedmcam.setup_sheet import written
 
-        files.append((sheet, written(made, Path(output).name, sheet, feed)))
+        beside = "" if plot_ is None else os.path.relpath(plot_, Path(sheet).parent)
+        more = {"wire_um": asked["wire_um"], "gap_um": asked["gap_um"], "picture": beside}
+        files.append((sheet, written(made, Path(output).name, sheet, feed, **more)))
     write_outputs(files)
     if not asked["quiet"]:
         say.say_report(made, output, asked["verbose"])
@@ -383,6 +386,10 @@ def _say_proof(proof: Any, verbose: bool) -> None:
             f"starts at ({v.origin_um[0] / 1000:.3f}, {v.origin_um[1] / 1000:.3f}) mm",
             err=True,
         )
+        if proof.understood is not None:
+            for line in say.understood_lines(proof.understood, verbose):
+                tell(line, err=True)
+            tell(say.counts_line(proof.understood), err=True)
         tell(say.proof_line(proof), err=True)
         if verbose:
             t = v.table

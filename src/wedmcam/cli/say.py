@@ -11,9 +11,11 @@ import click
 
 from wedmcam.cli.tell import tell
 from wedmcam.diag import Diagnostic, Severity, TextSpan, json_text
+from wedmcam.ir.understanding import HEADINGS
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation, Proof
+    from wedmcam.ir.understanding import Understanding
     from wedmcam.judge.difference import Difference
 
 
@@ -139,10 +141,43 @@ def say_figures(proof: Proof) -> None:
         tell(line, err=True)
 
 
-def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
-    """Print what was made, in a few lines; ``verbose``: and a line a contour."""
-    v, drawn = made.verdict, made.drawn
-    if v is None or drawn is None:
+#: So many contours are listed; the rest where more is asked for (-v).
+LISTED = 12
+
+
+def understood_lines(known: Understanding, verbose: bool = False) -> list[str]:
+    """Return a line a contour, and who placed the thread points; not more than fits a screen."""
+    shown = known.rows if verbose else known.rows[:LISTED]
+    left_out = () if verbose else ("lead", "stop", "overcut")
+    columns = [k for k, heading in enumerate(HEADINGS) if heading not in left_out]
+    cells = [[row.cells[k] for k in columns] for row in shown]
+    wide = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = [
+        f"{'':11}" + "  ".join(c.ljust(w) for c, w in zip(row, wide, strict=True)).rstrip()
+        for row in cells
+    ]
+    if len(known.rows) > len(shown):
+        lines.append(f"{'':11}and {len(known.rows) - len(shown)} more contours (-v lists all)")
+    heads = ["threads", *[""] * len(known.threads)]
+    return lines + [f"{h:11}{said}" for h, said in zip(heads, known.threads, strict=False)]
+
+
+def counts_line(known: Understanding) -> str:
+    """Return how many contours are cut as what."""
+    return f"understood cuts {known.counts}"
+
+
+def say_report(made: Compilation, output: str, verbose: bool = False, rows: bool = True) -> None:
+    """Print what was understood and what was made of it.
+
+    Args:
+        made: a compile that is ok.
+        output: where the program goes.
+        verbose: all contours, with the figures of each.
+        rows: say of each contour how it was understood; else only how many are what.
+    """
+    v, drawn, known = made.verdict, made.drawn, made.understood
+    if v is None or drawn is None or known is None:
         return
     assert made.plan is not None
     info = drawn.sketch.info
@@ -150,8 +185,10 @@ def say_report(made: Compilation, output: str, verbose: bool = False) -> None:
     for line in (
         f"{s['input']}  {info.units} ({info.units_from})  {_size(drawn)}",
         f"contours   {v.contours} cut, offset {made.plan.offsets_text}, side {v.side}",
+        *(understood_lines(known, verbose) if rows else ()),
         f"program    {output}  {v.blocks} blocks, path {v.path_mm:.3f} mm, {v.steps} steps, "
         f"profile {made.machine.name}",
+        counts_line(known),
         proof_line(made),
     ):
         tell(line, err=True)

@@ -77,8 +77,8 @@ def compile_several(
         files.append((where, draw(made.made[0], Path(names[0]).name, where)))
     write_outputs(files)
     if not asked["quiet"]:
-        for one, to_ in zip(made.made, names, strict=True):
-            say.say_report(one, to_, asked["verbose"])
+        for k, (one, to_) in enumerate(zip(made.made, names, strict=True)):
+            say.say_report(one, to_, asked["verbose"], rows=k == 0)  # one plan serves all
         tell(
             f"the same path in {len(names)} formats: at most {max(made.apart_um):.2f} um apart",
             err=True,

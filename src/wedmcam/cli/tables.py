@@ -84,8 +84,7 @@ def say_inspection(f: dict[str, Any], verbose: bool) -> None:
         ("not cut", _counted(f["ignored"])),
         (
             "contours",
-            f"{f['outer']} outer, {f['holes']} holes, {f['open']} open, "
-            f"{f['length_mm']:.3f} mm in all",
+            f"{f['understood'] or 'none'}; {f['length_mm']:.3f} mm in all",
         ),
         (
             "repairs",

@@ -29,7 +29,8 @@ class Drawn:
     """What was drawn: loose segments, and the contours they make.
 
     ``computed``: formulas made the contours: in another arithmetic they are others.
-    ``held``: findings about outlines that are held by what is not read; errors stop the plan.
+    ``doubts``: findings about outlines that are held by what is not read (errors, which stop the
+    plan) and about frames.
     ``groups``: the same contours, by the side and the offset of their layers.
     """
 
@@ -38,7 +39,7 @@ class Drawn:
     report: ChainReport
     nesting: Nesting
     computed: bool
-    held: tuple[Diagnostic, ...] = ()
+    doubts: tuple[Diagnostic, ...] = ()
     groups: tuple[Group, ...] = ()
 
     @property
@@ -82,6 +83,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.frontends.dxf import DxfOptions
     from wedmcam.frontends.dxf import read as read_dxf
     from wedmcam.transforms.chain import ChainReport, chain
+    from wedmcam.transforms.frames import doubtful
     from wedmcam.transforms.held import held
     from wedmcam.transforms.layers import Group, split
     from wedmcam.transforms.nest import nest
@@ -106,8 +108,11 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         groups.append(Group(rule, contours))
     about = held(sketch, every, options.join_um, options.offset_um or 0.0)
     every = tuple(c for group in groups for c in group.contours)
+    nesting = nest(every)
+    if len(groups) == 1:
+        about += doubtful(nesting, drawn.texts)
     computed = bool(options.transforms)
-    return Drawn(drawn, every, report, nest(every), computed, about, tuple(groups))
+    return Drawn(drawn, every, report, nesting, computed, about, tuple(groups))
 
 
 def source_format(data: bytes, file: str, options: Options) -> str:
@@ -185,6 +190,6 @@ def where_the_wire_goes(drawn: Drawn, options: Options, run: Run) -> Plan:
     """Return the plan: sides, compensation, leads, order."""
     from wedmcam.transforms.plan.planner import plan_cuts
 
-    run.add("nest", drawn.held)
+    run.add("nest", drawn.doubts)
     cuts = run("open", drawn.cuts(options))
     return run("plan", plan_cuts(cuts, options, arithmetic(options), drawn.words))

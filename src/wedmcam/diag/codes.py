@@ -79,6 +79,21 @@ CODES: dict[str, Code] = {
         "meant to be cut must be geometry.",
         "Nothing, or explode the entities into lines and arcs.",
     ),
+    "drawing-frame": Code(
+        "A rectangle lies round everything, and what lies in it has holes of its own, or is a "
+        "title block.",
+        "If it is the frame of the drawing, it is cut as the outer contour and the parts in it as "
+        "holes: each part becomes a loose slug on the wrong side of the wire.",
+        "Leave the frame out with --ignore-layer, or take the part with --layer; nothing, if it is "
+        "a plate with parts nested in its windows.",
+    ),
+    "deep-nesting": Code(
+        "A contour lies in a hole (three deep, or deeper).",
+        "What is kept changes with every contour around: an island in a hole is a part of its own "
+        "and comes loose; reference lines drawn in a hole become islands.",
+        "Leave out with --ignore-layer what is not to be cut, or take the part with --layer; "
+        "nothing, if parts are nested in the windows of others.",
+    ),
     "hidden-not-cut": Code(
         "Entities that the drawing does not show were left out: layer off or frozen, invisible, "
         "or on DEFPOINTS.",

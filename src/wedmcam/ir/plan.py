@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wedmcam.ir.contour import Contour
+from wedmcam.ir.sketch import ThreadPoint
 
 #: Outlines are one whose extremes, of vertices and centres, are the same to so many digits behind
 #: the point, um.
@@ -56,6 +57,7 @@ class Cut:
         offset_um: distance from the outline to the wire's centre; 0 for ``on``. Below 0 the wire
             runs behind the outline, in what is drawn as kept: the clearance is more than the wire.
         scene: which of the plan's ``scenes`` it is of, from 0.
+        stated: the thread point as it was stated; None where wedmcam placed it.
         clearance_um: how far behind its outline the kept material begins.
     """
 
@@ -70,6 +72,7 @@ class Cut:
     side: Side = Side.ON
     offset_um: float = 0.0
     scene: int = 0
+    stated: ThreadPoint | None = None
     clearance_um: float = 0.0
 
 

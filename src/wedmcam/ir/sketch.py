@@ -33,11 +33,15 @@ SEGMENT = np.dtype(
 
 @dataclass(frozen=True, slots=True)
 class ThreadPoint:
-    """A start hole: (x, y) in um, drawing coordinates, and where it was stated."""
+    """A start hole: (x, y) in um, drawing coordinates, and where it was stated.
+
+    ``option``: the option that states it, such as "--start 1"; empty for one of the source.
+    """
 
     x: float
     y: float
     span: Span | None = None
+    option: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +84,8 @@ class Unread:
 class Sketch:
     """Loose segments in um, thread points, and their sources. Takes ``segments`` over.
 
-    ``unread``: what bounds the rest of the drawing.
+    ``unread``: what bounds the rest of the drawing. ``texts``: where it writes something, um, shape
+    (texts, 2).
     """
 
     segments: NDArray[np.void]
@@ -88,6 +93,7 @@ class Sketch:
     thread_points: tuple[ThreadPoint, ...] = ()
     info: SketchInfo = field(default_factory=SketchInfo)
     unread: Unread = field(default_factory=Unread)
+    texts: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         s = self.segments

@@ -23,6 +23,7 @@ from wedmcam.frontends.dxf.place import Census, Fate, Layers, Placement, Placer,
 from wedmcam.frontends.dxf.salvage import Unreadable
 from wedmcam.frontends.dxf.shapes import Heap, gather, is_ignored
 from wedmcam.frontends.dxf.tags import Tags
+from wedmcam.frontends.dxf.texts import texts_of
 from wedmcam.frontends.dxf.unread import unread
 from wedmcam.ir.sketch import Sketch, SketchInfo, Unread
 
@@ -125,7 +126,8 @@ def read(
     if doubt is not None:
         found.append(doubt)
     info = _info(loaded, placed, unit)
-    sketch = Sketch(rows, tuple(placed.sources), tuple(placed.points), info, bounds)
+    written = texts_of(loaded.doc, scale) if placed.others or placed.blocks else np.zeros((0, 2))
+    sketch = Sketch(rows, tuple(placed.sources), tuple(placed.points), info, bounds, written)
     return sketch, tuple(found)
 
 

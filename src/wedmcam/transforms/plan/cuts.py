@@ -78,6 +78,7 @@ def cuts_of(
             planned.sides[path.contour],
             path.offset_um,
             number,
+            one.stated,
             scene.pieces[path.contour].clearance,
         )
         made.append((cut_of[k], cut))

@@ -50,7 +50,13 @@ def cuts_of_drawing(
         threads: thread points of the drawing.
         options: state further thread points and the order.
     """
-    starts = (*threads, *(ThreadPoint(x, y) for x, y in options.starts_um))
+    starts = (
+        *threads,
+        *(
+            ThreadPoint(x, y, option=f"--start {k}")
+            for k, (x, y) in enumerate(options.starts_um, 1)
+        ),
+    )
     order = options.order or Order.INNER_FIRST
     found = [d for group in groups for d in _unfit(group, options)]
     if len(groups) == 1:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.diag import Diagnostic, error
 from wedmcam.geom import crossings, measure, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
@@ -43,11 +43,13 @@ class Threaded:
     """A path that starts where its lead arrives, and the whole-um thread point.
 
     ``measured``: a length was asked of the lead; else a thread point or a centre says where it is.
+    ``stated``: the thread point as it was stated; None where it was chosen here.
     """
 
     path: Contour
     thread: tuple[int, int]
     measured: bool = False
+    stated: ThreadPoint | None = None
 
 
 def lead(
@@ -72,7 +74,7 @@ def lead(
     """
     found: list[Diagnostic] = []
     served: dict[int, tuple[int, int]] = {}
-    spans: dict[int, Span | None] = {}
+    stated: dict[int, ThreadPoint] = {}
     scene = _Scene(paths)
     for k, point in enumerate(threads):
         x, y = (int(v) for v in to_grid([point.x, point.y]))
@@ -102,7 +104,7 @@ def lead(
             )
         else:
             served[number] = (x, y)
-            spans[number] = point.span
+            stated[number] = point
     if found:
         return None, found
     free = [k for k in range(len(paths)) if k not in served]
@@ -112,9 +114,9 @@ def lead(
     for number, thread in served.items():
         planned = paths[number]
         arrives = thread if planned.enter is None else (planned.enter.x, planned.enter.y)
-        result[number] = Threaded(_started(planned.path, arrives), thread)
+        result[number] = Threaded(_started(planned.path, arrives), thread, stated=stated[number])
     ordered = [result[k] for k in range(len(paths))]
-    return ordered, found + _collisions(scene, ordered, spans, cures)
+    return ordered, found + _collisions(scene, ordered, cures)
 
 
 class _Scene:
@@ -444,7 +446,7 @@ def collisions(
     paths: Sequence[PlannedPath], threaded: Sequence[Threaded], cure: str
 ) -> list[Diagnostic]:
     """Return an error for each lead that meets a path before it arrives; paths are those led to."""
-    return _collisions(_Scene(paths), threaded, {}, [cure] * len(threaded))
+    return _collisions(_Scene(paths), threaded, [cure] * len(threaded))
 
 
 def across(
@@ -467,14 +469,13 @@ def across(
         mine = [k for k, p in enumerate(plates) if p == plate]
         numbers = np.array([outlines[k] for k in mine])
         scene = _Scene([paths[k] for k in mine])
-        found += _collisions(scene, [threaded[k] for k in mine], {}, [cure] * len(mine), numbers)
+        found += _collisions(scene, [threaded[k] for k in mine], [cure] * len(mine), numbers)
     return found
 
 
 def _collisions(
     scene: _Scene,
     threaded: Sequence[Threaded],
-    spans: dict[int, Span | None],
     cures: Sequence[str],
     outlines: Ints | None = None,
 ) -> list[Diagnostic]:
@@ -500,7 +501,8 @@ def _collisions(
         hx, hy = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
         what = "its own path before it arrives" if path[k] == number else "another cut"
         enter = scene.paths[number].enter
-        stated = spans.get(number) or (None if enter is None else enter.span)
+        own = threaded[number].stated
+        stated = (own and own.span) or (None if enter is None else enter.span)
         finding = error(
             "lead-hits",
             f"the lead from ({x0 / 1000:.3f}, {y0 / 1000:.3f}) to ({x1 / 1000:.3f}, "

@@ -44,8 +44,8 @@ def plan_cuts(
     if has_errors(found):
         return None, found
     for plate in sorted({scene.plate for scene in scenes}):
-        own = [scene for scene in scenes if scene.plate == plate]
-        found += thin_material(own, options.thin_wall_um)
+        on_plate = [scene for scene in scenes if scene.plate == plate]
+        found += thin_material(on_plate, options.thin_wall_um)
     if has_errors(found):
         return None, found
     cuts: list[tuple[int, Cut]] = []

@@ -16,6 +16,7 @@ from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.plan import Plan
+from wedmcam.ir.sketch import ThreadPoint
 
 #: How far a stepped block may start from the exact path, steps of the machine.
 NEAR_STEPS = 4.0
@@ -64,7 +65,8 @@ def remaining(
         v = path.vertices
         x, y = to_grid([v["x"][0], v["y"][0]]).tolist()
         thread = cut.thread if cut.path.closed else (x, y)
-    part = replace(cut, path=path, thread=thread, keeps_left=keeps, overcut_um=0.0)
+    stated = cut.stated if thread == cut.thread else ThreadPoint(*thread, option="--from-block")
+    part = replace(cut, path=path, thread=thread, keeps_left=keeps, overcut_um=0.0, stated=stated)
     return replace(plan, cuts=(part, *left), partial=True)
 
 

@@ -80,7 +80,12 @@ def scenes_of(
     known = cuts[0].nesting
     if len(cuts) == 1 and known is not None:
         return _one_scene(pieces, known, cuts[0].item.side)
-    alone = [PieceScene((p,), nest([p.contour]), None) for p in pieces if p.outside is None]
+    free = [p for p in pieces if p.outside is None]
+    depths = nest([p.contour for p in free]).depths  # a hole is one on the line, too
+    alone = [
+        PieceScene((p,), Nesting((p.contour,), (depth,), (-1,)), None)
+        for p, depth in zip(free, depths, strict=True)
+    ]
     scenes: list[PieceScene] = []
     found: list[Diagnostic] = []
     for plate in sorted({cut.plate for cut in cuts}):

@@ -1,0 +1,182 @@
+"""Nesting that is rather an accident of the drawing than a part: frames, and contours 3 deep.
+
+A drawing frame around everything would be cut as the outer contour and the parts in it as holes; a
+wire that cuts an island in a hole makes a second part, which falls out. Both are said before
+anything is planned, with the layers that would leave them out. An ordinary plate is a rectangle
+round everything, too: what makes a frame of it is what lies in it (contours that have holes of
+their own, a title block), not its shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from shlex import quote
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, EntityRef, warning
+from wedmcam.geom import measure
+from wedmcam.geom.segments import Floats
+from wedmcam.ir.contour import Contour
+from wedmcam.ir.understanding import Role, counted, place
+from wedmcam.transforms.nest import Nesting
+
+#: A contour that fills so much of its box is a rectangle, chamfers and rounded corners included.
+RECTANGLE = 0.98
+#: A title block lies this near to two sides of the frame, a share of the frame's size...
+CORNER = 0.1
+#: ...and has so many texts in it; anywhere else so many.
+TEXTS_IN_CORNER, TEXTS = 1, 3
+#: So many layers are named.
+NAMED = 4
+#: So many places are marked.
+MARKED = 12
+
+
+def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
+    """Return a warning for each frame, and one for contours that lie 3 deep in no frame.
+
+    Args:
+        nesting: of all contours of a drawing.
+        texts: where the drawing writes something, um, shape (texts, 2).
+    """
+    contours, parents = nesting.contours, nesting.parents
+    if max(nesting.depths, default=0) == 0:
+        return ()
+    boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
+    children: dict[int, list[int]] = {}
+    for k, parent in enumerate(parents):
+        if contours[k].closed:
+            children.setdefault(parent, []).append(k)
+    found: list[Diagnostic] = []
+    frames = set()
+    for k in children.get(-1, ()):
+        inner = children.get(k, [])
+        if not inner or not _rectangle(contours[k], boxes[k]):
+            continue
+        parts = [j for j in inner if j in children and not _bored(j, children[j], contours, boxes)]
+        titles = (
+            [] if parts else [j for j in inner if _title(contours[j], boxes[j], boxes[k], texts)]
+        )
+        if parts or titles:
+            frames.add(k)
+            found.append(_frame(nesting, k, boxes, parts, titles))
+    deep = [
+        k
+        for k, depth in enumerate(nesting.depths)
+        if depth > 1 and contours[k].closed and _outermost(k, parents) not in frames
+    ]
+    if deep:
+        found.append(_deep(nesting, deep, boxes))
+    return tuple(found)
+
+
+def _outermost(k: int, parents: Sequence[int]) -> int:
+    while parents[k] >= 0:
+        k = parents[k]
+    return k
+
+
+def _rectangle(contour: Contour, box: Floats) -> bool:
+    x0, y0, x1, y1 = box.tolist()
+    return bool(abs(measure.area(contour.vertices)) > RECTANGLE * (x1 - x0) * (y1 - y0))
+
+
+def _bored(k: int, inner: Sequence[int], contours: Sequence[Contour], boxes: Floats) -> bool:
+    """Return whether a contour and what lies in it are a bore: circles about one centre."""
+    sizes = boxes[:, 2:] - boxes[:, :2]
+    for j in (k, *inner):
+        disc = np.pi / 4 * sizes[j].prod()
+        if abs(abs(measure.area(contours[j].vertices)) - disc) > (1 - RECTANGLE) * disc:
+            return False
+        if (
+            np.abs(boxes[j, :2] + boxes[j, 2:] - boxes[k, :2] - boxes[k, 2:]).max()
+            > 0.02 * sizes[k].max()
+        ):
+            return False
+    return True
+
+
+def _title(contour: Contour, box: Floats, frame: Floats, texts: Floats) -> bool:
+    """Return whether a contour in a frame is a title block: a rectangle that is written in."""
+    if not _rectangle(contour, box):
+        return False
+    x, y = texts.T
+    within = int(((x > box[0]) & (x < box[2]) & (y > box[1]) & (y < box[3])).sum())
+    away = np.minimum(np.abs(box - frame)[:2], np.abs(box - frame)[2:])
+    corner = bool((away < CORNER * (frame[2:] - frame[:2])).all())
+    return within >= (TEXTS_IN_CORNER if corner else TEXTS)
+
+
+def _layers(contours: Sequence[Contour]) -> list[str]:
+    spans = (c.source_of(row) for c in contours for row in range(len(c)))
+    return sorted({span.layer for span in spans if isinstance(span, EntityRef)})
+
+
+def _hint(nesting: Nesting, those: Sequence[int]) -> str:
+    """Return how to leave contours out: by their layers, where these hold nothing else."""
+    drop = set(those)
+    own = _layers([nesting.contours[k] for k in those])
+    rest = _layers([c for k, c in enumerate(nesting.contours) if k not in drop])
+    if own and rest and not set(own) & set(rest):
+        leave = " ".join(f"--ignore-layer {quote(name)}" for name in own[:NAMED])
+        take = " ".join(f"--layer {quote(name)}" for name in rest[:NAMED])
+        return f"{leave} leaves out what is not to be cut; or {take}"
+    return (
+        "draw what is not to be cut on a layer of its own and leave it out with --ignore-layer, or "
+        "take the layers of the part with --layer"
+    )
+
+
+def _size(box: Floats) -> str:
+    return f"{(box[2] - box[0]) / 1000:.3f} x {(box[3] - box[1]) / 1000:.3f} mm"
+
+
+def _frame(
+    nesting: Nesting, k: int, boxes: Floats, parts: Sequence[int], titles: Sequence[int]
+) -> Diagnostic:
+    inside = [j for j, parent in enumerate(nesting.parents) if parent == k]
+    some = f"{len(parts)} of which have" if len(parts) > 1 else "one of which has"
+    what = f"{some if len(inside) > 1 else 'which has'} others inside"
+    if not parts:
+        what = f"of which the one at {place(boxes[titles[0]][:2])} mm is a title block, written in"
+    many = f"{len(inside)} contour{'s' * (len(inside) > 1)}"
+    text = (
+        f"the rectangle of {_size(boxes[k])} at {place(boxes[k][:2])} mm lies round {many}, "
+        f"{what}: if it is the frame of the drawing, it is cut as outer contour and the parts in "
+        "it as holes"
+    )
+    return warning(
+        "drawing-frame",
+        text,
+        nesting.contours[k].source_of(0),
+        hint=_hint(nesting, [k, *titles]),
+        points_mm=_marks(nesting, [k, *titles]),
+    )
+
+
+def _deep(nesting: Nesting, deep: Sequence[int], boxes: Floats) -> Diagnostic:
+    worst = max(deep, key=lambda k: (nesting.depths[k], -k))
+    depth = nesting.depths[worst]
+    way = ", ".join(str(Role.of(True, d)) for d in range(min(depth, 4) + 1))
+    way += ", ..." if depth > 4 else ""
+    roles = counted(Role.of(True, nesting.depths[k]) for k in deep)
+    others = f"; {roles} lie so" if len(deep) > 1 else ""
+    text = (
+        f"the contour of {_size(boxes[worst])} at {place(boxes[worst][:2])} mm lies {depth + 1} "
+        f"deep ({way}){others}: every island is a part of its own, which comes loose"
+    )
+    return warning(
+        "deep-nesting",
+        text,
+        nesting.contours[worst].source_of(0),
+        hint=_hint(nesting, deep),
+        points_mm=_marks(nesting, deep),
+        count=len(deep),
+    )
+
+
+def _marks(nesting: Nesting, those: Sequence[int]) -> tuple[tuple[float, float], ...]:
+    """Return a place on each, mm."""
+    rows = (nesting.contours[k].vertices[0] for k in those[:MARKED])
+    return tuple((float(v["x"]) / 1000, float(v["y"]) / 1000) for v in rows)

@@ -148,7 +148,7 @@ def test_wall_over_a_short_stretch(um, status, what):
         x, y = found["thin-wall"].points_mm[0]
         at = 20 if what == "hole and outline" else 5
         assert (x, y) == pytest.approx((at, 0), abs=0.03)
-        assert f"{um:.1f} um" in found["thin-wall"].message
+        assert (f"{um:.1f} um" if status else f"{um} um") in found["thin-wall"].message
 
 
 def test_no_wall_is_kept_between_two_parts_or_on_the_line():
@@ -258,3 +258,44 @@ def test_holes_that_touch_but_for_rounding_are_said(apart):
 
     compilation = api.compile(drawing(draw), offset=0.1)
     assert "contours-touch" in {d.code for d in compilation.findings}
+
+
+def touching(draw, **options):
+    made = api.compile(drawing(lambda _, m: draw(m)), **{"offset": 0.1, **options})
+    return [d.points_mm[0] for d in made.findings if d.code == "contours-touch"]
+
+
+@pytest.mark.parametrize("turned", [0, 90, 30])
+@pytest.mark.parametrize("how", ["circles", "halves", "mixed", "vertex"])
+def test_circles_that_touch_from_inside_where_they_begin(how, turned):
+    """A circle begins at its right-most point; where it does is no vertex that both have."""
+
+    def draw(m):
+        if how == "halves":
+            m.add_lwpolyline([(-5, 0, 1), (5, 0, 1)], format="xyb", close=True)
+            m.add_lwpolyline([(-1, 0, 1), (5, 0, 1)], format="xyb", close=True)
+        elif how == "vertex":
+            m.add_lwpolyline([(-5, -5), (5, -4), (5, 0), (5, 4), (-5, 5)], close=True)
+            m.add_circle((2, 0), 3)
+        else:
+            m.add_circle((0, 0), 5)
+            if how == "circles":
+                m.add_circle((2, 0), 3)
+            else:
+                m.add_lwpolyline([(-1, 0, 1), (5, 0, 1)], format="xyb", close=True)
+
+    transforms = [f"rotate {turned} about (0, 0)"] if turned else []
+    *_, at = touching(draw, transforms=transforms)
+    turn = np.radians(turned)
+    assert at == pytest.approx((5 * np.cos(turn), 5 * np.sin(turn)), abs=1e-6)
+
+
+def test_contours_of_a_part_program_that_touch():
+    circles = (
+        "contour a { circle center (0, 0) radius 5 }\ncontour b { circle center (2, 0) radius 3 }\n"
+    )
+    square = "from ({0}, {0}) line to ({1}, {0}) line to ({1}, {1}) line to ({0}, {1}) close"
+    squares = f"contour b {{ {square.format(0, 5)} }}\ncontour a {{ {square.format(5, 9)} }}\n"
+    for text in (circles + "cut b inside\ncut a outside", squares + "cut b inside\ncut a inside"):
+        made = api.compile(text.encode(), name="x.wed", offset=0.1)
+        assert "contours-touch" in {d.code for d in made.findings}

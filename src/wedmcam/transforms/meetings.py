@@ -68,11 +68,9 @@ def contour_meetings(contours: Sequence[Contour]) -> tuple[Diagnostic, ...]:
     """Return the findings of `meetings` for contours that did not come from `chain`."""
     parts: list[Rows] = []
     owner: list[Ints] = []
-    nodes: list[Ints] = []
     spans: list[Span] = []
     rings: list[Rows] = []
     ring_owner: list[int] = []
-    first = 0
     for k, c in enumerate(contours):
         a, b = c.starts, c.ends
         rows = np.zeros(len(a), SEGMENT)
@@ -85,22 +83,24 @@ def contour_meetings(contours: Sequence[Contour]) -> tuple[Diagnostic, ...]:
             rings.append(rows)
             ring_owner.append(k)
             continue
-        number = first + np.arange(len(a))
-        after = number + 1
-        if c.closed:
-            after[-1] = first
-        first += len(a) + 1
         parts.append(rows)
-        nodes.append(np.stack([number, after], axis=1))
         owner.append(np.full(len(a), k))
-    every = [np.zeros(0, SEGMENT), *parts, *rings]
+    with_ends = np.concatenate([np.zeros(0, SEGMENT), *parts])
     owners = [np.zeros(0, np.int64), *owner, np.array(ring_owner, np.int64)]
-    placed = Placed(
-        np.concatenate(every),
-        np.concatenate(owners),
-        np.concatenate([np.zeros((0, 2), np.int64), *nodes]),
-    )
+    placed = Placed(np.concatenate([with_ends, *rings]), np.concatenate(owners), _nodes(with_ends))
     return meetings(placed, tuple(spans))
+
+
+def _nodes(rows: Rows) -> Ints:
+    """Return the node of both ends of each row: ends at one place, to the last bit, are one."""
+    x = np.stack([rows["x0"], rows["x1"]], axis=1).ravel()
+    y = np.stack([rows["y0"], rows["y1"]], axis=1).ravel()
+    order = np.lexsort((y, x))
+    new = np.diff(x[order], prepend=np.nan) != 0
+    new |= np.diff(y[order], prepend=np.nan) != 0
+    out = np.empty(len(x), np.int64)
+    out[order] = np.cumsum(new)
+    return out.reshape(-1, 2)
 
 
 def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...]:
@@ -222,7 +222,7 @@ def _at_common_end(s: Segments, hits: crossings.Crossings) -> Bools:
     """Return which hits are nothing but the vertex that both segments share.
 
     The end of an arc may miss its circle by the noise of joining, e; a tangent line then meets the
-    circle up to sqrt(2 R e) away from the vertex.
+    circle up to sqrt(2 R e) away from the vertex. Where a full circle begins is no vertex.
     """
     i, j = hits.i, hits.j
     reach = np.full(len(i), ON_TOP_UM)
@@ -236,7 +236,7 @@ def _at_common_end(s: Segments, hits: crossings.Crossings) -> Bools:
         near = np.hypot(hits.x - ax[i], hits.y - ay[i]) <= reach
         for bx, by in ((s.x0, s.y0), (s.x1, s.y1)):
             at |= near & (ax[i] == bx[j]) & (ay[i] == by[j])
-    return at
+    return np.asarray(at & (s.sweep[i] != TAU) & (s.sweep[j] != TAU), np.bool_)
 
 
 def _depth(s: Segments, hits: crossings.Crossings) -> Floats:

@@ -24,6 +24,8 @@ from wedmcam.transforms.walls import LISTED, TOUCH_UM
 SPECK_UM = 50.0
 #: Points of each segment that say how large a contour is.
 SHARES = np.linspace(0.0, 1.0, 9)[:-1]
+#: How many points times segments are looked at at once: some 100 MB.
+POINT_SEGMENTS = 2_000_000
 
 
 def specks(
@@ -57,7 +59,7 @@ def specks(
         found.append(
             warning(
                 "speck",
-                f"the contour at {place(x, y)} mm is smaller ({_thick(size)}) than {than}",
+                f"the contour at {place(x, y)} mm is {_thick(size)} large, smaller than {than}",
                 contours[k].source_of(0),
                 hint="delete it, if it is not meant",
                 points_mm=((x / 1e3, y / 1e3),),
@@ -108,9 +110,13 @@ def thin_walls(
     rows = np.flatnonzero(keep)
     if not len(rows):
         return []
-    rows = rows[measure.Inside(s)(w.x[rows], w.y[rows]) == part]
+    rows = _one_each(w, rows, first, owner)
+    within = measure.Inside(s)
+    step = max(1, POINT_SEGMENTS // len(s))
+    chunks = [rows[k : k + step] for k in range(0, len(rows), step)]
+    inside = np.concatenate([within(w.x[k], w.y[k]) for k in chunks])
     found = []
-    for k in _one_each(w, rows, first, owner).tolist():
+    for k in rows[inside == part].tolist():
         a, b = (int(n) for n in (w.i[k], w.j[k]))
         ca, cb = contours[owner[a]], contours[owner[b]]
         spans = ca.source_of(a - int(first[owner[a]])), cb.source_of(b - int(first[owner[b]]))
@@ -168,7 +174,7 @@ def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints) -> Ints:
 
 
 def _thick(um: float) -> str:
-    return f"{um / 1000:.4f} mm, {um:.1f} um" if um < 1000 else f"{mm(um)} mm"
+    return f"{um / 1000:.4g} mm ({um:.4g} um)"
 
 
 def _listed(found: list[Diagnostic], code: str, what: str) -> list[Diagnostic]:

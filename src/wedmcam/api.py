@@ -957,6 +957,7 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
         starts,
         ends,
         plan=made.plan,
+        known=made.understood,
         title=title,
         facts=_plot_facts(made),
         marks=marks,
@@ -998,7 +999,8 @@ def plot_html(made: Compilation | Proof | Inspection, title: str = "") -> str:
         for row in dump(program, made.machine)
     ]
     head = ("block", "at", "what", "J", "end x", "end y")
-    return page(plot(made, title), title=title, head=head, rows=rows, said=said)
+    known = made.understood if not isinstance(made, Inspection) else None
+    return page(plot(made, title), title=title, head=head, rows=rows, said=said, known=known)
 
 
 def path_drawing(program: Program, machine: Machine) -> bytes:
@@ -1017,9 +1019,12 @@ def positions(program: Program, machine: Machine) -> tuple[Any, Any]:
 
 def _plot_facts(made: Compilation | Proof) -> dict[str, str]:
     facts = {"profile": made.machine.name}
+    if made.understood is not None:
+        facts["cuts"] = made.understood.counts
     v = made.verdict
     if v is not None:
-        facts |= {"side": v.side, "offset": f"{v.offset_um / 1000:.3f} mm"}
+        assert made.plan is not None
+        facts |= {"side": v.side, "offset": made.plan.offsets_text}
         facts |= {"blocks": str(v.blocks), "steps": str(v.steps)}
         facts["deviation"] = f"{v.max_deviation_um:.2f} um"
         if v.closure_um is not None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wedmcam.backends.svg_sheet import words
+from wedmcam.ir.understanding import HEADINGS, Understanding
 
 _STYLE = """
 body{margin:0;font:13px Helvetica,Arial,sans-serif;color:#1f2933;display:flex;height:100vh}
@@ -53,6 +54,7 @@ def page(
     head: Sequence[str] = (),
     rows: Sequence[Sequence[str]] = (),
     said: str = "",
+    known: Understanding | None = None,
 ) -> str:
     """Return an HTML page of a picture.
 
@@ -62,6 +64,7 @@ def page(
         head: names of the columns of ``rows``; the first is the number of the block.
         rows: a row a block.
         said: findings, as people read them.
+        known: what was understood: a table of the contours stands before that of the blocks.
     """
     picture = svg[svg.index("<svg") :]
     cells = "\n".join(
@@ -75,6 +78,20 @@ def page(
         f"<title>{words(title)}</title><style>{_STYLE}</style></head>\n<body>"
         f'<div id="picture">{picture}</div>\n<div id="side"><h1>{words(title)}</h1>\n'
         + (f"<pre>{lines}</pre>\n" if lines else "")
+        + (_contours(known) if known is not None else "")
         + (table if rows else "")
         + f"</div>\n<script>{_SCRIPT}</script></body></html>\n"
+    )
+
+
+def _contours(known: Understanding) -> str:
+    """Return what was understood as a list that opens: the counts first."""
+    rows = [
+        "<li>" + "<br>".join(words(f"{h}: {c}") for h, c in zip(HEADINGS, row.cells, strict=True))
+        for row in known.rows
+    ]
+    threads = "".join(f"<p>{words(said)}</p>" for said in known.threads)
+    return (
+        f'<details id="understood"><summary>cuts {words(known.counts)}</summary>'
+        f"{threads}<ol>{''.join(rows)}</ol></details>\n"
     )

@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 
 from wedmcam.backends.contours import stretches
 from wedmcam.backends.svg_sheet import INK, Box, Sheet, number, union, words
+from wedmcam.backends.svg_threads import TICK_EVERY, draw_threads, kept_ticks
 from wedmcam.diag import Diagnostic, Severity, Span
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Axis, Kind, Program, Role
 from wedmcam.ir.sketch import ThreadPoint
+from wedmcam.ir.understanding import Understanding
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -31,6 +33,8 @@ Places = NDArray[np.int64] | NDArray[np.float64]
 DETAILED = 4000
 #: At most so many block numbers are printed.
 LABELS = 150
+#: The first block of each cut has its number, room or not, where there are no more cuts than this.
+FORCED = 10
 #: One direction arrow in so many sheet units of path.
 ARROW_EVERY = 130.0
 #: No arrow and no number on a shorter block, sheet units (unless it is the first of a cut).
@@ -191,6 +195,7 @@ def plot(
     ends: Places,
     *,
     plan: Plan | None = None,
+    known: Understanding | None = None,
     title: str = "",
     facts: Mapping[str, str] | None = None,
     marks: Sequence[Diagnostic] = (),
@@ -208,6 +213,7 @@ def plot(
             block where the machine stands.
         ends: where each block ends on the interpolator, likewise.
         plan: adds outlines, kept material and kerf.
+        known: what was understood of the plan; adds it to the thread points.
         title: printed large; the file's name.
         facts: printed in the title block in their order, name -> value.
         marks: findings whose ``points_mm`` are ringed.
@@ -218,7 +224,7 @@ def plot(
     segments = _of_blocks(blocks, starts, ends, program.step_um)
     told = dict(facts or {})
     if plan is not None:
-        told.setdefault("offset", f"{plan.offset_um / 1000:.3f} mm")
+        told.setdefault("offset", plan.offsets_text)
         told.setdefault("side", str(plan.side))
 
     cuts = _cut_numbers(program, starts, ends)
@@ -234,6 +240,7 @@ def plot(
             held = [c for s in plan.scenes if s.keeps is Side.PART for c in s.outlines]
             legend += _part(sheet, held, Side.PART, box)
             more = _part(sheet, [c for c in plan.outlines if c not in held], None, box)
+            more += _ticks(sheet, plan)
             legend += [entry for entry in more if entry[1] not in [told for _, told in legend]]
         else:
             kept = plan.side if plan.side in (Side.PART, Side.DIE) else None
@@ -245,11 +252,15 @@ def plot(
         part = _Segments(*(v[contour if len(contour) else wire.cutting] for v in segments)).box()
     if part is not None:
         sheet.dimension(part, box)
+    wire.ink(sheet)
+    said = {} if known is None else {row.thread.at: row for row in known.rows}
+    crosses = []
     for (x, y), name in threads:
-        place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
-        sheet.cross(x / 1000, y / 1000, f"T{name}", f"thread point of cut {name} at {place}")
-    if threads:
-        legend.append((_CROSS, "thread point"))
+        told_of = f"thread point of cut {name} at ({x / 1000:.3f}, {y / 1000:.3f}) mm"
+        if (row := said.get((x, y))) is not None:
+            told_of += f"; {row.thread.origin}; {row.text.partition(': ')[2]}"
+        crosses.append((x / 1000, y / 1000, f"T{name}", told_of))
+    legend += draw_threads(sheet, crosses, "START")
     legend += wire.pauses(sheet)
     wire.arrows(sheet)
     keeps = {} if plan is None else {c.thread: c.keeps_left for c in plan.cuts}
@@ -334,11 +345,24 @@ def _part(
     return [*legend, (_stroke(OUTLINE, 1.0), "as drawn")]
 
 
+def _ticks(sheet: Sheet, plan: Plan) -> list[tuple[str, str]]:
+    """Draw ticks on the kept side of outlines around which all is kept; return their legend."""
+    places = []
+    for scene in plan.scenes:
+        if scene.keeps is not Side.DIE:
+            continue
+        for outline, depth in zip(scene.outlines, scene.depths, strict=True):
+            if outline.closed:
+                x, y = _of_contour(outline).samples(TICK_EVERY / 4 / sheet.scale)
+                places.append((x, y, bool(depth % 2)))
+    ticks = kept_ticks(places, sheet)
+    line = f'stroke="{OUTLINE}" stroke-width="{sheet.mm(1.0)}"'
+    sheet.draw(f'<path id="kept-side" d="{ticks}" {line}/>')
+    sample = f'<path d="M0 3H28M6 3L1 9M13 3L8 9M20 3L15 9M27 3L22 9" stroke="{OUTLINE}"/>'
+    return [(sample, "kept side")]
+
+
 _EVENODD = 'fill-rule="evenodd"'
-_CROSS = (
-    f'<g stroke="{INK}" stroke-width="1.1" fill="none"><circle cx="14" cy="6" r="3.6"/>'
-    '<path d="M7 6H21M14 -1V13"/></g>'
-)
 
 
 def _stroke(colour: str, width: float, dash: str = "") -> str:
@@ -487,6 +511,12 @@ class _Wire:
         runs = np.split(self.cutting, breaks)
         return [(COLOURS[Role(int(self.role[r[0]]))], r) for r in runs] + moves
 
+    def ink(self, sheet: Sheet) -> None:
+        """Let the sheet know where the wire cuts, so that numbers keep off it."""
+        cut = _Segments(*(v[self.cutting] for v in self.segments))
+        lines = cut.samples(1.5 / sheet.scale)
+        sheet.ink(sheet.at(u, v) for u, v in zip(*(w.tolist() for w in lines), strict=True))
+
     def labels(self, sheet: Sheet, keeps_left: Mapping[int, bool | None]) -> None:
         """Print block numbers beside their blocks: the first of each cut, others where room is.
 
@@ -500,9 +530,6 @@ class _Wire:
         always = set(self.cutting[first].tolist())
         rest = np.concatenate([self.cutting, self.moves])
         rest = rest[length[rest] > SHORT_BLOCK]
-        cut = _Segments(*(v[self.cutting] for v in self.segments))
-        lines = cut.samples(1.5 / sheet.scale)
-        sheet.ink(sheet.at(u, v) for u, v in zip(*(w.tolist() for w in lines), strict=True))
         # Longest first; then evenly thinned along the program.
         order = sorted(map(int, rest), key=lambda i: (-round(float(length[i])), i))
         taken: list[tuple[int, float, float]] = []
@@ -523,7 +550,7 @@ class _Wire:
                     taken.append((i, *at))
                     break
             else:
-                if i in always:
+                if i in always and len(always) <= FORCED:
                     sheet.claim(boxes[0][1], force=True)
                     taken.append((i, *spots[0]))
         stride = math.ceil(len(taken) / LABELS)
@@ -596,14 +623,12 @@ def plot_contours(
         ]
         d = "".join(f"M{number(u, 2)} {number(v, 2)}h0" for u, v in dots)
         sheet.symbol(f'<path d="{d}" stroke="{OUTLINE}" stroke-width="3" stroke-linecap="round"/>')
+    crosses = []
     for point in thread_points:
         x, y = point.x / 1000, point.y / 1000
-        told_of = f"thread point at ({x:.3f}, {y:.3f}) mm" + (
-            f"; {point.span}" if point.span else ""
-        )
-        sheet.cross(x, y, "T", told_of)
-    if thread_points:
-        legend.append((_CROSS, "thread point"))
+        said = f"; {point.span}" if point.span else ""
+        crosses.append((x, y, "T", f"thread point at ({x:.3f}, {y:.3f}) mm{said}"))
+    legend += draw_threads(sheet, crosses)
     ring = f'fill="none" stroke="{WIRE}" stroke-width="1.6"'
     opened = False
     for contour, shape in zip(contours, shapes, strict=True):

@@ -241,27 +241,6 @@ class Sheet:
         self.claim((x - wide, y - tall, x + wide, y + tall), force=True)
         self.text(x, y, content, size=size, turn=0.0 if abs(ux) > abs(uy) else -90.0)
 
-    def cross(self, x_mm: float, y_mm: float, name: str, told: str) -> None:
-        """Add a thread point: a cross in a circle, with its number."""
-        x, y = self.at(x_mm, y_mm)
-        cross = _line((x - 7, y), (x + 7, y)) + _line((x, y - 7), (x, y + 7))
-        self.symbol(
-            f'<g stroke="{INK}" stroke-width="1.1" fill="none"><title>{words(told)}</title>'
-            f'<circle cx="{number(x, 2)}" cy="{number(y, 2)}" r="3.6" fill="#fff"/>'
-            f'<path d="{cross}"/></g>'
-        )
-        self.claim((x - 7, y - 7, x + 7, y + 7), force=True)
-        half = ADVANCE * 10.5 * len(name) / 2
-        spots = [(x - 8 - half, y - 9), (x + 8 + half, y - 9)]
-        spots += [(x - 8 - half, y + 9), (x + 8 + half, y + 9)]
-        for u, v in spots:
-            box = self.label_box(u, v, name, 10.5)
-            if self.inside(box) and self.claim(box):
-                break
-        else:
-            u, v = spots[0]
-        self.text(u, v, name, size=10.5, bold=True)
-
     def mark(self, x_mm: float, y_mm: float, name: str, colour: str, told: str) -> None:
         """Add a numbered ring about a place that a finding points to."""
         x, y = self.at(x_mm, y_mm)

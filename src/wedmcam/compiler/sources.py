@@ -80,7 +80,6 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.frontends.dxf import read as read_dxf
     from wedmcam.transforms.chain import chain
     from wedmcam.transforms.held import held
-    from wedmcam.transforms.nest import nest
 
     asked = DxfOptions(
         units=options.units,
@@ -96,7 +95,8 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     about = held(sketch, contours, options.join_um, options.offset_um or 0.0)
     if options.transforms:
         sketch, contours = _transformed(sketch, contours, options, run)
-    return Drawn(sketch, contours, report, nest(contours), bool(options.transforms), about)
+    nesting = _nested(contours, run)
+    return Drawn(sketch, contours, report, nesting, bool(options.transforms), about)
 
 
 def source_format(data: bytes, file: str, options: Options) -> str:
@@ -116,7 +116,6 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.frontends.wed import read as read_wed
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.figures.part import shape_cuts, sketch_of
-    from wedmcam.transforms.nest import nest
     from wedmcam.transforms.plan import idle
 
     part = run(
@@ -129,7 +128,17 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     sketch, contours = sketch_of(part, shaped)
     closed = sum(c.closed for c in contours)
     report = ChainReport(closed, len(contours) - closed)
-    return DrawnPart(sketch, contours, report, nest(contours), True, shaped=shaped)
+    return DrawnPart(sketch, contours, report, _nested(contours, run), True, shaped=shaped)
+
+
+def _nested(contours: tuple[Contour, ...], run: Run) -> Nesting:
+    """Return how contours lie in each other, where they can be a part by their number."""
+    from wedmcam.transforms.nest import nest, too_deep, too_many
+
+    run.add("nest", too_many(contours))
+    nesting = nest(contours)
+    run.add("nest", too_deep(nesting))
+    return nesting
 
 
 def _transforms(options: Options, run: Run) -> list[Any]:

@@ -86,7 +86,6 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.transforms.frames import doubtful
     from wedmcam.transforms.held import held
     from wedmcam.transforms.layers import Group, split
-    from wedmcam.transforms.nest import nest
 
     asked = DxfOptions(
         units=options.units,
@@ -108,7 +107,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         groups.append(Group(rule, contours))
     about = held(sketch, every, options.join_um, options.offset_um or 0.0)
     every = tuple(c for group in groups for c in group.contours)
-    nesting = nest(every)
+    nesting = _nested(every, run)
     if len(groups) == 1:
         about += doubtful(nesting, drawn.texts)
     computed = bool(options.transforms)
@@ -132,7 +131,6 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.frontends.wed import read as read_wed
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.figures.part import shape_cuts, sketch_of
-    from wedmcam.transforms.nest import nest
     from wedmcam.transforms.plan import idle
 
     part = run(
@@ -145,7 +143,17 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     sketch, contours = sketch_of(part, shaped)
     closed = sum(c.closed for c in contours)
     report = ChainReport(closed, len(contours) - closed)
-    return DrawnPart(sketch, contours, report, nest(contours), True, shaped=shaped)
+    return DrawnPart(sketch, contours, report, _nested(contours, run), True, shaped=shaped)
+
+
+def _nested(contours: tuple[Contour, ...], run: Run) -> Nesting:
+    """Return how contours lie in each other, where they can be a part by their number."""
+    from wedmcam.transforms.nest import nest, too_deep, too_many
+
+    run.add("nest", too_many(contours))
+    nesting = nest(contours)
+    run.add("nest", too_deep(nesting))
+    return nesting
 
 
 def _transforms(options: Options, run: Run) -> list[Any]:

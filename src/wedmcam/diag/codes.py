@@ -190,9 +190,9 @@ CODES: dict[str, Code] = {
         "Explode and trim the block.",
     ),
     "too-large": Code(
-        "Blocks inserted in blocks expand into millions of segments.",
-        "Arrays of arrays grow beyond any part, mostly by a wrong count.",
-        "Check the row and column counts of the INSERT named.",
+        "The drawing is larger than any part: in lines, segments, contours, or nesting.",
+        "Arrays of arrays grow beyond any part, mostly by a wrong count; so do exported hatchings.",
+        "Check the row and column counts of the INSERT named; export the outlines alone.",
     ),
     "full-arc": Code(
         "An ARC whose start and end angle are equal: taken as a full circle.",

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import LISTED, Diagnostic, Span, error, warning
 from wedmcam.geom import crossings
 from wedmcam.geom.gaps import beside
-from wedmcam.geom.pairs import grown, self_overlapping
+from wedmcam.geom.pairs import grown, self_overlapping_parts
 from wedmcam.geom.segments import (
     TAU,
     Floats,
@@ -47,6 +48,14 @@ STEP_UM = 50.0
 #: Contours that meet at fewer places than this are not one that is drawn twice, if they do not
 #: cross at two at least.
 SEVERAL = 4
+#: So many pairs of contours at most are held against each other for that, those that meet most.
+COMPARED = 1000
+#: Pairs of segments are looked at so many at a time ...
+PART = 500_000
+#: ... until so many errors are found, and no more pairs or touches than these.
+ENOUGH, MOST_PAIRS, MOST_TOUCHES = 20_000, 20_000_000, 1_000_000
+#: More segments that branch than this are refused for that alone.
+MANY_BRANCHING = 2_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,7 +121,86 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
     if len(placed.rows) < 2:
         return ()
     s = columns(placed.rows)
-    i, j = self_overlapping(grown(boxes(s), TOUCH_UM))
+    met, complete = _met(placed, s)
+    found: list[Diagnostic] = []
+    if not complete and not met.many:
+        text = (
+            f"more than {MOST_PAIRS:,} pairs of segments lie over each other: the drawing is too "
+            "dense to be looked through"
+        )
+        found.append(error("too-large", text, hint="put what is not to be cut on another layer"))
+    hits, cross, on_top = met.hits, met.cross, met.on_top
+    least = "" if complete else "at least "
+    pairs = placed.owner[hits.i], placed.owner[hits.j]
+    owners = [placed.owner[k] for k in on_top[:2]]
+    over_pairs, pairs_of_hits = _sorted_pairs(*owners), _sorted_pairs(*pairs)
+    crossing = [pairs_of_hits[k] for k in np.flatnonzero(cross).tolist()]
+    twice, said = _twice(placed, sources, s, over_pairs, crossing)
+    found += said
+    once = np.array([p not in twice for p in over_pairs], bool)
+    i, j, x, y, along = (v[once] for v in on_top)
+    found += _overlaps(placed, sources, i, j, x, y, along, least)
+    of_twice = np.array([p in twice for p in pairs_of_hits], bool)
+    found += _crossings(placed, sources, hits, cross & ~of_twice, pairs, least)
+    crossed = set(zip(*(np.sort(np.stack(pairs), axis=0)[:, cross]).tolist(), strict=True))
+    found += _touches(placed, sources, s, hits, ~cross, pairs, crossed)
+    return tuple(found)
+
+
+class _Met(NamedTuple):
+    """Where segments run on top of each other (i, j, x, y, length), and where they meet.
+
+    ``cross``: which of the ``hits`` are crossings; the others are touches.
+    """
+
+    on_top: tuple[Ints, Ints, Floats, Floats, Floats]
+    hits: crossings.Crossings
+    cross: Bools
+
+    @property
+    def many(self) -> bool:
+        """Whether there are enough errors to refuse the drawing without looking further."""
+        return len(self.on_top[0]) + int(self.cross.sum()) >= ENOUGH
+
+
+def _met(placed: Placed, s: Segments) -> tuple[_Met, bool]:
+    """Return where segments meet, and whether all pairs were looked at.
+
+    Pairs are looked at part by part: ten thousand circles over each other are fifty million.
+    """
+    looked = np.arange(len(s))
+    branching = placed.owner < 0
+    if int(branching.sum()) > MANY_BRANCHING:  # a star of so many lines is refused as it is
+        looked = np.flatnonzero(~branching)
+    box = tuple(side[looked] for side in grown(boxes(s), TOUCH_UM))
+    met = _Met(*_of_pairs(placed, s, looked[:0], looked[:0]))
+    seen = 0
+    for i, j in self_overlapping_parts((box[0], box[1], box[2], box[3]), PART):
+        if met.many or seen > MOST_PAIRS or len(met.hits.i) > MOST_TOUCHES:
+            return met, False
+        seen += len(i)
+        more = _of_pairs(placed, s, looked[i], looked[j])
+        met = _Met(*more) if seen == len(i) else _together(met, _Met(*more))
+    return met, True
+
+
+def _together(a: _Met, b: _Met) -> _Met:
+    one, two, three, four, five = (
+        np.concatenate(both) for both in zip(a.on_top, b.on_top, strict=True)
+    )
+    hits = crossings.Crossings(
+        *(
+            np.concatenate([getattr(a.hits, name), getattr(b.hits, name)])
+            for name in crossings.Crossings.__slots__
+        )
+    )
+    return _Met((one, two, three, four, five), hits, np.concatenate([a.cross, b.cross]))
+
+
+def _of_pairs(
+    placed: Placed, s: Segments, i: Ints, j: Ints
+) -> tuple[tuple[Ints, Ints, Floats, Floats, Floats], crossings.Crossings, Bools]:
+    """Return the fields of `_Met` for pairs of segments."""
     lines = (s.turn[i] == 0) & (s.turn[j] == 0)
     common = _shares_end(s, i, j)
     # Most pairs are lines that follow each other round a corner: nothing to find there.
@@ -126,26 +214,14 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
     hits = crossings.between(s, i, j)
     owned = (placed.owner[hits.i] >= 0) & (placed.owner[hits.j] >= 0)
     away = owned & ~_at_common_end(s, hits)
+    hits = crossings.Crossings(
+        *(getattr(hits, name)[away] for name in crossings.Crossings.__slots__)
+    )
     inner_i = _interior(s, hits.i, hits.at_i)
     inner_j = _interior(s, hits.j, hits.at_j)
-    deep = _depth(s, hits) > TOUCH_UM
-    cross = away & inner_i & inner_j & deep
-    touch = away & ~cross
-    through = _through(placed, s, hits, np.flatnonzero(away & (inner_i != inner_j)), inner_i)
-    cross[through] = True
-    touch[through] = False
-    pairs = placed.owner[hits.i], placed.owner[hits.j]
-    owners = [placed.owner[k] for k in on_top[:2]]
-    over_pairs, pairs_of_hits = _sorted_pairs(*owners), _sorted_pairs(*pairs)
-    crossing = [pairs_of_hits[k] for k in np.flatnonzero(cross).tolist()]
-    twice, found = _twice(placed, sources, s, over_pairs, crossing)
-    once = np.array([p not in twice for p in over_pairs], bool)
-    found += _overlaps(placed, sources, *(v[once] for v in on_top))
-    of_twice = np.array([p in twice for p in pairs_of_hits], bool)
-    found += _crossings(placed, sources, hits, cross & ~of_twice, pairs)
-    crossed = set(zip(*(np.sort(np.stack(pairs), axis=0)[:, cross]).tolist(), strict=True))
-    found += _touches(placed, sources, s, hits, touch, pairs, crossed)
-    return tuple(found)
+    cross = inner_i & inner_j & (_depth(s, hits) > TOUCH_UM)
+    cross[_through(placed, s, hits, np.flatnonzero(inner_i != inner_j), inner_i)] = True
+    return on_top, hits, cross
 
 
 def _sorted_pairs(a: Ints, b: Ints) -> list[tuple[int, int]]:
@@ -166,9 +242,12 @@ def _twice(
     """
     crosses, meets = Counter(crossing), Counter([*over, *crossing])
     twice, found = set(), []
-    for (a, b), times in sorted(meets.items()):
-        if not 0 <= a < b or (times < SEVERAL and crosses[a, b] < 2):
-            continue
+    likely = [
+        (-times, pair)
+        for pair, times in meets.items()
+        if 0 <= pair[0] < pair[1] and (times >= SEVERAL or crosses[pair] >= 2)
+    ]
+    for times, (a, b) in sorted(sorted(likely)[:COMPARED], key=lambda one: one[1]):
         one, other = np.flatnonzero(placed.owner == a), np.flatnonzero(placed.owner == b)
         share, far = beside(s.take(one), s.take(other), TWICE_UM)
         if share < MOST or not all(_closes(placed, rows) for rows in (one, other)):
@@ -177,7 +256,7 @@ def _twice(
         first, second = _two(placed, sources, int(one[0]), int(other[0]))
         x, y = float(s.x0[one[0]]), float(s.y0[one[0]])
         text = (
-            f"two contours run beside each other, up to {mm(far)} mm apart, and meet {times} "
+            f"two contours run beside each other, up to {mm(far)} mm apart, and meet {-times} "
             f"times: the outline at {place(x, y)} mm seems drawn twice"
         )
         found.append(
@@ -305,6 +384,7 @@ def _overlaps(
     x: Floats,
     y: Floats,
     along: Floats,
+    least: str = "",
 ) -> list[Diagnostic]:
     """Return one error for each pair of segments on top of each other."""
     found = []
@@ -324,7 +404,7 @@ def _overlaps(
         )
     if len(order) > LISTED:
         more = len(order) - LISTED
-        text = f"{more} further pairs of segments run on top of each other"
+        text = f"{least}{more} further pairs of segments run on top of each other"
         found.append(error("overlap", text, count=more))
     return found
 
@@ -409,6 +489,7 @@ def _crossings(
     hits: crossings.Crossings,
     which: Bools,
     pairs: tuple[Ints, Ints],
+    least: str = "",
 ) -> list[Diagnostic]:
     """Return one error for each contour that crosses itself and each pair that crosses."""
     found = []
@@ -431,7 +512,7 @@ def _crossings(
         found.append(error(code, text, first, notes=notes, hint=hint, points_mm=places))
     if len(groups) > LISTED:
         more = len(groups) - LISTED
-        found.append(error("crossing-contours", f"{more} further pairs cross", count=more))
+        found.append(error("crossing-contours", f"{least}{more} further pairs cross", count=more))
     return found
 
 

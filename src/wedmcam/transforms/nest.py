@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wedmcam.diag import Diagnostic, error
 from wedmcam.geom import measure
-from wedmcam.geom.pairs import overlapping
+from wedmcam.geom.pairs import overlapping_parts
 from wedmcam.geom.segments import Floats, distances, points_at
 from wedmcam.ir.contour import Contour
 
@@ -20,6 +21,13 @@ from wedmcam.ir.contour import Contour
 NEAR_UM = 0.01
 #: How many points of a contour are asked before any doubt arises.
 PROBES = 3
+#: More closed contours, each with a thread point, are no part: at a minute each two weeks.
+MOST_CLOSED = 20_000
+#: Contours that lie in each other, more than these, are a pattern: with circles of 0.5 mm between
+#: them a disc of 200 mm.
+DEEPEST = 200
+#: Pairs of boxes are looked at so many at a time.
+PART = 500_000
 #: How many at most after that.
 MOST_PROBES = 64
 
@@ -66,13 +74,16 @@ def nest(contours: Sequence[Contour]) -> Nesting:
     closed = np.array([c.closed for c in contours])
     box = (extents[:, 0], extents[:, 1], extents[:, 2], extents[:, 3])
     outer = np.flatnonzero(closed)
-    inner, k = overlapping(box, (box[0][outer], box[1][outer], box[2][outer], box[3][outer]))
-    around = outer[k]
-    fits = inner != around
-    for low in (0, 1):
-        fits &= extents[inner, low] >= extents[around, low] - NEAR_UM
-        fits &= extents[inner, low + 2] <= extents[around, low + 2] + NEAR_UM
-    inner, around = inner[fits], around[fits]
+    some = [(np.empty(0, np.int64), np.empty(0, np.int64))]
+    rings = box[0][outer], box[1][outer], box[2][outer], box[3][outer]
+    for inner, k in overlapping_parts(box, rings, PART):
+        around = outer[k]
+        fits = inner != around
+        for low in (0, 1):
+            fits &= extents[inner, low] >= extents[around, low] - NEAR_UM
+            fits &= extents[inner, low + 2] <= extents[around, low + 2] + NEAR_UM
+        some.append((inner[fits], around[fits]))
+    inner, around = (np.concatenate(both) for both in zip(*some, strict=True))
     probes = _probes(contours)
     sure = np.zeros(len(inner), np.bool_)
     order = np.argsort(around, kind="stable")
@@ -93,6 +104,28 @@ def nest(contours: Sequence[Contour]) -> Nesting:
     by_depth = np.lexsort((-around, depths[around]))
     parents[inner[by_depth]] = around[by_depth]
     return Nesting(tuple(contours), tuple(depths.tolist()), tuple(parents.tolist()))
+
+
+def too_many(contours: Sequence[Contour]) -> tuple[Diagnostic, ...]:
+    """Return an error where there are more closed contours than any machine threads."""
+    closed = sum(c.closed for c in contours)
+    if closed <= MOST_CLOSED:
+        return ()
+    text = f"the drawing has {closed:,} closed contours; no more than {MOST_CLOSED:,} are compiled"
+    hint = "leave out what is not to be cut: --layer, --ignore-layer"
+    return (error("too-large", text, contours[0].source_of(0), hint=hint, count=closed),)
+
+
+def too_deep(nesting: Nesting) -> tuple[Diagnostic, ...]:
+    """Return an error where contours lie deeper in each other than in any part."""
+    depth = max(nesting.depths, default=0)
+    if depth <= DEEPEST:
+        return ()
+    inner = nesting.contours[nesting.depths.index(depth)]
+    text = f"{depth:,} contours lie in each other; no more than {DEEPEST} are compiled"
+    hint = "a cut needs its contours once: a hatching or a pattern is to be left out"
+    x, y = float(inner.vertices["x"][0]) / 1000, float(inner.vertices["y"][0]) / 1000
+    return (error("too-large", text, inner.source_of(0), hint=hint, points_mm=((x, y),)),)
 
 
 def _probes(contours: Sequence[Contour]) -> Floats:

@@ -81,6 +81,11 @@ _CONFLICT = re.compile(r"^(?:<{7}(?: .*)?|={7}|>{7}(?: .*)?)$", re.MULTILINE)
 _CODE = re.compile(r"^\s*-?\d+\s*$")
 
 
+#: Larger files are no part for a wire: a line takes about 300 bytes of memory where it is read, and
+#: an outline of 100,000 segments has a third of these lines.
+MOST_LINES, MOST_BYTES, MOST_BINARY = 3_000_000, 100_000_000, 30_000_000
+
+
 @dataclass(frozen=True, slots=True)
 class Header:
     """What the file itself says; None where it says nothing."""
@@ -110,6 +115,8 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
     where = FileSpan(file)
     if not data.strip():
         return None, (error("not-dxf", "the file is empty", where),)
+    if large := _too_large(data):
+        return None, (error("too-large", large, where, hint="export the outlines alone"),)
     if data.startswith(BINARY):
         tags = tags_of_binary(data, file, encoding_of_binary(data))
         edits, found = repaired(tags)
@@ -147,6 +154,17 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
     if said:
         found.append(note("repaired-drawing", said, where))
     return _parsed(text, tags, header, found)
+
+
+def _too_large(data: bytes) -> str:
+    """Return how a file is larger than any part, empty if it is not; before anything is read."""
+    if data.startswith(BINARY) and len(data) > MOST_BINARY:
+        return f"the drawing has {len(data):,} bytes; no more than {MOST_BINARY:,} are read"
+    if len(data) > MOST_BYTES:
+        return f"the drawing has {len(data):,} bytes; no more than {MOST_BYTES:,} are read"
+    if len(data) > MOST_LINES and (lines := data.count(b"\n")) > MOST_LINES:
+        return f"the drawing has {lines:,} lines; no more than {MOST_LINES:,} are read"
+    return ""
 
 
 def _behind(tags: Tags) -> list[Diagnostic]:

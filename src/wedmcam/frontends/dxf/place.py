@@ -45,7 +45,7 @@ READ = (
 #: A block scaled by less, in x or y, has no content: 1 m of it would be 0.1 um.
 NO_SCALE = 1e-7
 #: More copies of blocks, or segments, than this are no part.
-MOST_COPIES, MOST_SEGMENTS = 200_000, 4_000_000
+MOST_COPIES, MOST_SEGMENTS = 200_000, 300_000
 
 
 class Fate(Enum):

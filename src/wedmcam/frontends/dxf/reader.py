@@ -19,7 +19,16 @@ from wedmcam.frontends.dxf import units
 from wedmcam.frontends.dxf.contradictions import Reading, contradictions
 from wedmcam.frontends.dxf.kinds import BOUNDED, GEOMETRY
 from wedmcam.frontends.dxf.load import Loaded, load
-from wedmcam.frontends.dxf.place import Census, Fate, Layers, Placement, Placer, finite
+from wedmcam.frontends.dxf.place import (
+    MOST_COPIES,
+    MOST_SEGMENTS,
+    Census,
+    Fate,
+    Layers,
+    Placement,
+    Placer,
+    finite,
+)
 from wedmcam.frontends.dxf.salvage import Unreadable
 from wedmcam.frontends.dxf.shapes import Heap, gather, is_ignored
 from wedmcam.frontends.dxf.tags import Tags
@@ -304,7 +313,10 @@ def _problems(placed: Placement, tags: Tags) -> list[Diagnostic]:
         notes = (("this lies highest", two),)
         found.append(error("taper", text, one, notes=notes, hint=hint, count=len(placed.heights)))
     if placed.too_large is not None:
-        text = "blocks inserted in blocks come to millions of segments; reading stopped"
+        text = (
+            f"the drawing comes to more than {MOST_SEGMENTS:,} segments, or {MOST_COPIES:,} copies "
+            "of blocks: reading stopped here"
+        )
         found.append(error("too-large", text, placed.too_large))
     return found
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import LISTED, Diagnostic, error
 from wedmcam.geom import crossings, measure, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
@@ -77,6 +77,11 @@ def lead(
     stated: dict[int, ThreadPoint] = {}
     scene = _Scene(paths)
     for k, point in enumerate(threads):
+        if len(found) >= LISTED:
+            more = len(threads) - k
+            text = f"{more:,} further thread points were not looked at"
+            found.append(error("thread-point-unused", text, count=more))
+            break
         x, y = (int(v) for v in to_grid([point.x, point.y]))
         place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
         number, problem = _serves(scene, x, y, only[k])

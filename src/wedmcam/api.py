@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wedmcam import __version__, machines
-from wedmcam.compiler import pipeline, sources
+from wedmcam.compiler import pipeline, proof, sources
 from wedmcam.compiler.portion import portion
 from wedmcam.compiler.sources import Drawn
 from wedmcam.diag import Diagnostic, Severity, has_errors
@@ -467,6 +467,7 @@ def verify(
     name: str | None = None,
     against_name: str | None = None,
     origin_mm: tuple[float, float] | None = None,
+    fit_origin: bool = False,
     certificate: dict[str, Any] | None = None,
     options: Options | None = None,
     shown: bool = False,
@@ -483,24 +484,35 @@ def verify(
         format: of the program; None to tell by its name and its content.
         name: of the program in findings.
         against_name: of the drawing.
-        origin_mm: where the program starts in the drawing. None: as the certificate says, if it is
-            this program's; else where the same options would start it; else a fitted translation.
-        certificate: of an earlier compile; gives options and origin, and is checked itself.
-        options: how the drawing is cut.
+        origin_mm: where the program starts in the drawing. None: where the same options start it,
+            else on one of the thread points that are given. Only where none is given, a translation
+            is fitted.
+        fit_origin: a translation is fitted also where thread points are given.
+        certificate: of an earlier compile; gives options and origin. All that it says is derived
+            again and compared.
+        options: how the drawing is cut; None for those of ``mm``, else of the certificate.
         shown: the program is only to be drawn: what it leaves open is assumed, with a warning.
         **mm: instead of ``options``, its fields in mm.
 
     What is proven is the part: another order, other leads, are notes. A program with a certificate
-    is one of ours: order and leads are to be the plan's.
+    of a compile is one of ours: order and leads are to be the plan's.
+
+    Raises:
+        WrongUse: options that do not fit together, or a certificate that is none.
     """
     data, name = bytes_of(program, name)
-    if profile is None and certificate is not None and certificate.get("profile"):
-        profile = machine_issued(certificate)
+    if certificate is not None:
+        options = _options_issued(certificate, options, mm)
+        if profile is None:
+            profile = machine_issued(certificate)
+    if fit_origin and origin_mm is not None:
+        raise WrongUse("--origin says where the program starts: there is nothing to fit")
     machine = _reader_machine(data, name, format, profile)
     if options is None:
         options = options_in_mm(**mm)
     dialect = _dialect(options.reading, profile is not None, shown)
     run = Run(options.strict)
+    planning = Run(options.strict)
     targets = _targets(machine, certificate)
     target = targets[0]
     decoded: Program | None = None
@@ -511,30 +523,67 @@ def verify(
     drawing, drawing_name = (b"", "") if against is None else bytes_of(against, against_name)
     stage = ""
     try:
-        if against is not None and target.takes_gap:  # the plan says by how much
-            drawn, plan = _asked_plan(drawing, drawing_name, options, targets, run)
+        # An outline's program does not say how far beside it the wire runs; the plan does.
+        if against is not None and (target.takes_gap or target.makes_path):
+            drawn, plan = _asked_plan(drawing, drawing_name, options, targets, planning, run)
         entries = replace(target.entered(options, plan), dialect=dialect)
-        decoded = run("decode", target.read(data, name, entries))
+        run.add("decode", _offsets_of_plan(entries, target, options))
+        decoded, read = target.read(data, name, entries)
+        decoded = run("decode", (decoded, read))
         kind = sources.source_format(drawing, drawing_name, options) if drawn else None
         run.add("decode", _no_gap(decoded, target, options, kind))
         run.add("decode", _unended(decoded, target))
-        if certificate is not None:
-            run.add("certificate", _check_certificate(certificate, data, drawing, machine))
-            if origin_mm is None and _same(certificate, "output", data):
-                x, y = certificate["origin_um"]
-                origin_mm = (x / 1000, y / 1000)
         if against is not None:
             if drawn is None or plan is None:
-                drawn, plan = _asked_plan(drawing, drawing_name, options, targets, run)
-            ours = certificate is not None
-            decoded, verdict = _judged(decoded, plan, target, options, run, origin_mm, ours)
-            if certificate is not None and _same(certificate, "output", data):
-                run.add("certificate", _check_figures(certificate, verdict, drawing))
+                drawn, plan = _asked_plan(drawing, drawing_name, options, targets, planning, run)
+            ours = certificate is not None and proof.is_ours(certificate)
+            if certificate is not None:
+                run.add("certificate", proof.issued_for_others(certificate, data, drawing))
+                # Where a program of ours starts follows from its plan, and is compared.
+                if origin_mm is None and not ours and proof.is_of(certificate, "output", data):
+                    x, y = certificate["origin_um"]
+                    origin_mm = (x / 1000, y / 1000)
+            how = proof.Placing(
+                None if origin_mm is None else (1000 * origin_mm[0], 1000 * origin_mm[1]),
+                proof.given_points(drawn, options),
+                fit_origin,
+                ours,
+            )
+            before = len(run.found)
+            decoded, verdict = proof.placed(decoded, plan, target, options, how, run)
+            if certificate is not None:
+                now = _summary(
+                    run.found,
+                    machine,
+                    options,
+                    drawing_name,
+                    drawing,
+                    name,
+                    data,
+                    drawn,
+                    verdict,
+                    _understood(plan),
+                )
+                run.add(
+                    "certificate",
+                    proof.held_to(
+                        certificate,
+                        now,
+                        proof.Proven(decoded, data, drawing, plan, target, options),
+                        planning.found,
+                        read,
+                        run.found[before:],
+                        run.found,
+                    ),
+                )
         else:
             from wedmcam.judge.figures import figures as figures_of
 
             told, found = figures_of(decoded, machine.stepping, machine.limits)
             run.add("verify", found)
+            run.add("verify", _not_closed(decoded, target, options))
+            if certificate is not None:
+                run.add("certificate", proof.held_to_alone(certificate, told, data))
     except Refused as why:
         stage = why.stage
     errors = has_errors(run.found)
@@ -543,6 +592,8 @@ def verify(
     summary = _proof_summary(
         run, machine, options, name, data, drawing_name, drawing, drawn, told, verdict, known
     )
+    if verdict is not None and certificate is None:
+        summary["leads"] = "own"  # so order and leads are not held to the plan's next time either
     said = tuple(run.found)
     return Proof(not errors, decoded, verdict, plan, machine, summary, said, status, known)
 
@@ -589,11 +640,38 @@ def read_program(
 
 
 def _asked_plan(
-    drawing: bytes, name: str, options: Options, targets: Sequence[Target], run: Run
+    drawing: bytes,
+    name: str,
+    options: Options,
+    targets: Sequence[Target],
+    planning: Run,
+    run: Run,
 ) -> tuple[Drawn, Plan]:
-    """Return what was drawn, and the part of its plan that is asked for of the first target."""
-    drawn, plan = pipeline.planned(drawing, name, options, targets, run)
-    return drawn, portion(plan, targets[0], options, run)
+    """Return what was drawn, and the part of its plan that is asked for of the first target.
+
+    What is found goes into both runs; ``planning`` has nothing else.
+    """
+    try:
+        drawn, plan = pipeline.planned(drawing, name, options, targets, planning)
+        plan = portion(plan, targets[0], options, planning)
+    finally:
+        run.found += planning.found
+    return drawn, plan
+
+
+def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list[Diagnostic]:
+    """Return a note of the offsets that a controller is taken to have, where nobody said them."""
+    from wedmcam.diag import note
+
+    if not target.makes_path or options.d or options.offset_um is not None:
+        return []
+    table = [f"D{number} = {um / 1000:.4f} mm" for number, um in entries.d]
+    if entries.every_um is not None:
+        table.append(f"every D = {entries.every_um / 1000:.4f} mm")
+    if not table:
+        return []
+    text = f"{', '.join(table)} is taken to be entered at the controller: the offsets of the source"
+    return [note("iso-compensation", text, hint="--d N=LENGTH states what is entered")]
 
 
 def _no_gap(
@@ -630,31 +708,22 @@ def _reader_machine(
     return machine_for(format_, profile)
 
 
-def _same(certificate: dict[str, Any], key: str, data: bytes) -> bool:
-    from wedmcam.judge.certificate import fingerprint
+def _options_issued(
+    certificate: dict[str, Any], options: Options | None, mm: Mapping[str, Any]
+) -> Options:
+    """Return the options of a proof: as stated, else those of the certificate.
 
-    return bool(certificate.get("sha256", {}).get(key) == fingerprint(data))
+    Raises:
+        WrongUse: the certificate is none, or has options that this version does not know.
+    """
+    from wedmcam.judge.claims import fault
 
-
-def _check_certificate(
-    certificate: dict[str, Any], data: bytes, drawing: bytes, machine: Machine
-) -> list[Diagnostic]:
-    from wedmcam.diag import warning
-
-    found = []
-    for key, what, seen in (
-        ("output", "program", data),
-        ("input", "drawing", drawing),
-    ):
-        if seen and not _same(certificate, key, seen):
-            found.append(
-                warning(
-                    "certificate-differs",
-                    f"the certificate was issued for another {what}: its fingerprint differs",
-                    hint="what is proven now is the file that is there",
-                )
-            )
-    return found
+    if why := fault(certificate):
+        raise WrongUse(f"this is no certificate: {why}")
+    issued = Options.from_data(certificate["options"])
+    if options is not None:
+        return options
+    return options_in_mm(**mm) if mm else issued
 
 
 def _unended(program: Program, target: Target) -> list[Diagnostic]:
@@ -677,79 +746,18 @@ def _unended(program: Program, target: Target) -> list[Diagnostic]:
     ]
 
 
-def _check_figures(
-    certificate: dict[str, Any], verdict: Verdict, drawing: bytes
-) -> list[Diagnostic]:
-    """Return an error for each figure of a certificate that is not what was found now."""
-    from wedmcam.diag import error
+def _not_closed(program: Program, target: Target, options: Options) -> list[Diagnostic]:
+    """Return warnings for the contours of a program that do not close, in the words of its file."""
+    from wedmcam.backends.axes import to_controller
+    from wedmcam.formats.quadrants import quadrant
+    from wedmcam.judge.closing import not_closed
 
-    if not _same(certificate, "input", drawing):
-        return []
-    found = []
-    for key in ("contours", "blocks", "steps", "closure_um", "max_deviation_um", "gouge_um"):
-        now, stated = getattr(verdict, key), certificate.get(key)
-        same = now == stated
-        if isinstance(now, float) and isinstance(stated, int | float):
-            same = abs(now - stated) <= 0.002  # certificates round up to a nanometre
-        if not same:
-            found.append(
-                error(
-                    "certificate-differs",
-                    f"the certificate says {key} {stated}, the program has {now}",
-                    hint="the certificate was changed, or is of another version: compile again",
-                )
-            )
-    return found
-
-
-def _judged(
-    decoded: Program,
-    plan: Plan,
-    target: Target,
-    options: Options,
-    run: Run,
-    origin_mm: tuple[float, float] | None,
-    ours: bool,
-) -> tuple[Program, Verdict]:
-    """Judge at the stated origin; else at the plan's; else where the program fits best.
-
-    ``ours``: it is said to be a program of this plan, so that order and leads are the plan's too.
-    """
-    from wedmcam.judge.fit import fit
-    from wedmcam.judge.unit import in_steps
-
-    def at(
-        program: Program, strict: bool = ours, fitted: bool = False
-    ) -> tuple[Verdict, list[Diagnostic]]:
-        return pipeline.judged(program, plan, target, options, strict_order=strict, fitted=fitted)
-
-    unfit: list[Diagnostic] = []
-    if origin_mm is not None:
-        per_mm = 1000.0 / decoded.step_um
-        origin = (round(per_mm * origin_mm[0]), round(per_mm * origin_mm[1]))
-        placed = replace(decoded, origin=origin)
-        verdict, found = at(placed)
-    else:
-        placed = replace(decoded, origin=in_steps(plan, decoded.step_um).cuts[0].thread)
-        verdict, found = at(placed)
-        if not verdict.ok and not ours:
-            fitted, notes = fit(decoded, plan, stepping=target.machine.stepping)
-            if fitted is None:
-                unfit = notes
-            else:
-                better, more = at(fitted, fitted=fitted.origin != placed.origin)
-                more_cuts = len(better.cuts) > len(verdict.cuts)
-                nearer = better.max_deviation_um < verdict.max_deviation_um
-                if better.ok or more_cuts or nearer:
-                    placed, verdict, found = fitted, better, [*notes, *more]
-    if not ours and not verdict.ok and len(verdict.cuts) < len(plan.cuts):
-        # A contour that lies nowhere says little. Followed in the plan's order, the first block
-        # that leaves it does, if the program is one of this plan at all.
-        strict, named = at(placed, strict=True)
-        if len(strict.cuts) == len(plan.cuts):
-            verdict, found = strict, named
-    run.add("verify", [*unfit, *found])
-    return placed, verdict
+    machine = target.machine
+    own = to_controller(program, machine.axes)
+    textbook = (options.count or machine.count) == "textbook"
+    return not_closed(
+        own, machine.own_stepping, quadrant if target.states_counts else None, textbook
+    )
 
 
 def _proof_summary(
@@ -858,7 +866,7 @@ def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]
     }
 
 
-def with_images(proof: Proof, drawing: bytes, name: str, options: Options) -> Proof:
+def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> Proof:
     """Return a proof with that of the images of the drawing; see ``wedmcam.metamorphic``."""
     from wedmcam.judge.certificate import finding_data
     from wedmcam.metamorphic import metamorphic
@@ -866,22 +874,22 @@ def with_images(proof: Proof, drawing: bytes, name: str, options: Options) -> Pr
     if sources.source_format(drawing, name, options) == "wed":
         raise WrongUse("--metamorphic compiles images of drawings; a .wed says sides by name")
 
-    images, found = metamorphic(drawing, name, proof.machine, options)
-    said = {(d.code, d.message) for d in proof.findings}
+    images, found = metamorphic(drawing, name, proven.machine, options)
+    said = {(d.code, d.message) for d in proven.findings}
     new = [d for d in found if (d.code, d.message) not in said]
     bad = has_errors(new)
     summary = {
-        **proof.summary,
+        **proven.summary,
         "metamorphic": [image._asdict() for image in images],
-        "diagnostics": [*proof.summary["diagnostics"], *(finding_data(d) for d in new)],
-        "ok": proof.ok and not bad,
+        "diagnostics": [*proven.summary["diagnostics"], *(finding_data(d) for d in new)],
+        "ok": proven.ok and not bad,
     }
     return replace(
-        proof,
-        ok=proof.ok and not bad,
+        proven,
+        ok=proven.ok and not bad,
         summary=summary,
-        findings=(*proof.findings, *new),
-        status=proof.status or (3 if bad else 0),
+        findings=(*proven.findings, *new),
+        status=proven.status or (3 if bad else 0),
     )
 
 

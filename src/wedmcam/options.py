@@ -7,7 +7,7 @@ options, so that ``verify --against`` can repeat them.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -89,6 +89,40 @@ def nm_of(unit: str) -> int:
         if nm.denominator == 1 and 0 < nm <= 10**9:
             return int(nm)
     raise ValueError(f"takes um, mm, inch, or a length such as 10um or 0.0001in, not '{unit}'")
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) <= LARGEST_UM  # NaN is not
+
+
+def _is_texts(value: Any) -> bool:
+    return isinstance(value, list | tuple) and all(isinstance(v, str) for v in value)
+
+
+def _is_pairs(value: Any) -> bool:
+    return isinstance(value, list | tuple) and all(map(_is_pair, value))
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, list | tuple) and len(value) == 2 and all(map(_is_number, value))
+
+
+#: No length that is asked for is larger: beyond it sums of um would lose their digits.
+LARGEST_UM = 1e12
+
+#: Annotation of a field of `Options` -> whether plain data can be one.
+_FITS: dict[str, Callable[[Any], bool]] = {
+    "str": lambda v: isinstance(v, str),
+    "str | None": lambda v: v is None or isinstance(v, str),
+    "bool": lambda v: isinstance(v, bool),
+    "int": lambda v: type(v) is int and abs(v) <= LARGEST_UM,
+    "float": _is_number,
+    "float | None": lambda v: v is None or _is_number(v),
+    "tuple[str, ...]": _is_texts,
+    "tuple[int, int] | None": lambda v: v is None or _is_pair(v),
+    "tuple[tuple[float, float], ...]": _is_pairs,
+    "tuple[tuple[int, float], ...]": _is_pairs,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,10 +364,17 @@ class Options:
         """Return the options of a certificate.
 
         Raises:
-            WrongUse: an unknown key or value.
+            WrongUse: an unknown key or value, or one of another type.
         """
         values = dict(data)
+        annotations = {f.name: str(f.type) for f in fields(cls)}
         try:
+            if "wishes" in values:
+                raise ValueError("wishes are of whoever types them")
+            for name, value in values.items():
+                fits = _FITS.get(annotations.get(name, ""))
+                if fits is not None and not fits(value):
+                    raise ValueError(f"{name} cannot be {value!r:.40}")
             if "side" in values:
                 values["side"] = Side(values["side"])
             if "order" in values:

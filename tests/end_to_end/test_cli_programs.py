@@ -113,3 +113,17 @@ def test_verify_metamorphic():
     assert all(i["ok"] for i in images)
     assert "image      rotated by 90 degrees" in run(*asked, "--metamorphic").stderr
     assert status(run("verify", GOLDEN / "key-punch.3b", "--metamorphic")) == 2
+
+
+def test_diff_takes_a_profile_for_the_programs_of_its_format(tmp_path):
+    path = tmp_path / "p.nc"
+    drawing = str(SAMPLES / "plate.dxf")
+    line = ["compile", drawing, "-o", str(path), "--offset", "0.1", "--profile", "iso-mm", "-q"]
+    assert status(run(*line)) == 0
+    old = GOLDEN / "plate.3b"
+    for one, two in ((old, path), (path, old)):
+        assert status(run("diff", one, two, "--profile-in", "iso-mm")) == 0
+    assert status(run("diff", old, path, "--profile-b", "iso-mm")) == 0
+    result = run("diff", old, path, "--profile", "iso-mm")
+    assert status(result) == 2
+    assert "--profile iso-mm is for iso, and" in str(result.exception)

@@ -20,7 +20,7 @@ import numpy as np
 from judge_cases import line, move
 
 from wedmcam import api
-from wedmcam.compiler import pipeline
+from wedmcam.compiler import pipeline, proof
 from wedmcam.diag import Severity
 from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.plan import Side
@@ -208,7 +208,8 @@ def passes(made: Any, program: Program, ours: bool) -> bool:
     """Return whether ``verify --against`` passes a program, with a certificate or without."""
     run = Run()
     try:
-        api._judged(program, made.plan, target_of(made.machine), made.options, run, None, ours)
+        how = proof.Placing(None, proof.given_points(made.drawn, made.options), False, ours)
+        proof.placed(program, made.plan, target_of(made.machine), made.options, how, run)
     except Refused:
         return False
     return all(d.severity < Severity.ERROR for d in run.found)

@@ -105,7 +105,8 @@ def test_other_order_sense_start_and_leads_are_notes():
     plan, program = part_with_hole(), other_way_round()
     verdict, findings = judge(program, plan, stepping=T, strict_order=False)
     assert verdict.ok, findings
-    assert {f.code for f in findings} == {"other-order"}
+    assert {f.code for f in findings} == {"other-order", "other-leads"}
+    assert {f.severity for f in findings} == {Severity.NOTE}
     assert verdict.max_deviation_um == pytest.approx(1.0)
     assert verdict.closure_um == 0
     assert [c.number for c in verdict.cuts] == [2, 1]

@@ -232,3 +232,34 @@ def test_certificates_hold_what_is_entered(tmp_path):
     assert proof.ok
     assert proof.summary["d_um"] == {"1": 100.0}
     assert made.entries.lines() == [("D1", "0.1000 mm")]
+
+
+def test_a_part_program_says_by_how_much_the_controller_offsets():
+    """Neither --d nor a certificate: the offsets of the cuts are the table."""
+    one = b"contour a { circle center (0, 0) radius 5 }\ncut a inside offset 0.1 start (0, 0)\n"
+    two = one + (
+        b"contour b { circle center (0, 0) radius 9 }\ncut b outside offset 0.15 start (11, 0)\n"
+    )
+    for source in (one, two):
+        made = api.compile(source, name="a.wed", profile="iso-g41-mm")
+        assert made.ok
+        proof = api.verify(
+            made.data, against=source, against_name="a.wed", name="a.nc", profile="iso-g41-mm"
+        )
+        assert proof.status == 0, [d.message for d in proof.findings]
+        (said,) = [d for d in proof.findings if d.code == "iso-compensation"]
+        assert "0.1000 mm" in said.message
+        other = source.replace(b"radius 5", b"radius 5.01")
+        proof = api.verify(
+            made.data, against=other, against_name="a.wed", name="a.nc", profile="iso-g41-mm"
+        )
+        assert proof.status == 3
+
+
+def test_a_drawing_without_an_offset_says_nothing_of_it():
+    drawing = (SAMPLES / "cam.dxf").read_bytes()
+    made = api.compile(drawing, offset=0.1, profile="iso-g41-mm")
+    assert made.ok
+    proof = api.verify(made.data, against=drawing, name="a.nc", profile="iso-g41-mm")
+    assert proof.status == 1
+    assert "iso-compensation" in {d.code for d in proof.findings}

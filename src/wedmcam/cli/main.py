@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from pathlib import Path
@@ -30,6 +29,7 @@ from wedmcam.cli.tell import tell
 
 if TYPE_CHECKING:
     from wedmcam.diag import Diagnostic
+    from wedmcam.machines import Machine
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -261,6 +261,11 @@ def batch_command(
 )
 @click.option("--origin", type=POINT, help="Where the program starts in the drawing, X,Y in mm.")
 @click.option(
+    "--fit-origin",
+    is_flag=True,
+    help="Find where it starts by fitting, also where thread points are given.",
+)
+@click.option(
     "--certificate",
     metavar="FILE.json",
     help="Re-check this certificate where it exists (options and origin come from it); else write "
@@ -283,6 +288,7 @@ def verify_command(
     against: str | None,
     format_: str | None,
     origin: tuple[float, float] | None,
+    fit_origin: bool,
     certificate: str | None,
     plot_: str | None,
     metamorphic: bool,
@@ -320,6 +326,7 @@ def verify_command(
             name=_name(program),
             against_name=against,
             origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
+            fit_origin=fit_origin,
             certificate=issued,
             options=options,
         )
@@ -347,15 +354,19 @@ def verify_command(
 
 
 def _issued(certificate: str | None) -> dict[str, Any] | None:
+    """Return the certificate of a file; None where there is no file yet.
+
+    Raises:
+        UsageError: the file is no certificate.
+    """
     if certificate is None or not Path(certificate).exists():
         return None
+    from wedmcam.judge.claims import parsed
+
     try:
-        data = json.loads(read_input(certificate))
+        return parsed(read_input(certificate))
     except ValueError as why:
         raise click.UsageError(f"{certificate} is no certificate: {why}") from why
-    if not isinstance(data, dict) or "output" not in data.get("sha256", {}):
-        raise click.UsageError(f"{certificate} is no certificate of this program")
-    return data
 
 
 def _drawing_of(issued: dict[str, Any], certificate: str) -> str:
@@ -441,7 +452,10 @@ def diff_command(
     from wedmcam import api
     from wedmcam.cli import say
 
-    machines = (machine_for(a, profile or profile_in), machine_for(b, profile_b or profile_in))
+    machines = (
+        _machine_of_either(a, profile, profile_in, "--profile"),
+        _machine_of_either(b, profile_b, profile_in, "--profile-b"),
+    )
     try:
         one, two = read_program(a), read_program(b)
     except Failed as why:
@@ -466,6 +480,37 @@ def diff_command(
     elif not quiet:
         say.say_difference(found, a, b)
     return 0 if found.equal else 1
+
+
+def _machine_of_either(
+    program: str, profile: str | None, either: str | None, option: str
+) -> Machine | None:
+    """Return the machine of one of two programs; None for what its name and content say.
+
+    Args:
+        program: its file.
+        profile: as typed for it.
+        either: as typed for both: it is taken for those of its format.
+        option: how ``profile`` is typed.
+
+    Raises:
+        WrongUse: the profile is of another format than the program.
+    """
+    from wedmcam.cli.settings import format_of_program
+    from wedmcam.options import PROGRAM_FORMATS, WrongUse
+
+    format_ = format_of_program(program)
+    for typed_ in (profile, either):
+        if typed_ is None:
+            continue
+        machine = machine_for(program, typed_)
+        if machine is None or format_ not in PROGRAM_FORMATS or machine.is_of(str(format_)):
+            return machine
+        if typed_ is profile:
+            raise WrongUse(
+                f"{option} {profile} is for {machine.format}, and {program} is {format_}"
+            )
+    return machine_for(program, None)
 
 
 @cli.command("inspect", cls=Configured, short_help="What is in a drawing.")

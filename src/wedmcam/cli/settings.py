@@ -545,6 +545,11 @@ def _format_of_program(params: Mapping[str, Any]) -> str | None:
     return seen if seen in FORMAT_OF_SUFFIX.values() else None
 
 
+def format_of_program(program: str) -> str | None:
+    """Return the format of a program by its name or content; None where neither tells."""
+    return _format_of_program({"program": program})
+
+
 def where(made: InForce, key: str) -> str:
     """Return where the value of a key comes from; empty for typed ones and defaults."""
     setting = made.settings.get(key)

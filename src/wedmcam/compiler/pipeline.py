@@ -91,20 +91,26 @@ def proven(
 ) -> tuple[Program, Verdict]:
     """The bytes are decoded again, run, and compared with the plan and the part."""
     program, found = target.read(data, name or "program", entries)
-    # Notes of the reader say how it understood a foreign file; and what the writer warned of (the
-    # file needs two loads, say) need not be said twice.
-    said = {d.code for d in run.found}
-    new = [
-        d
-        for d in found
-        if d.severity is Severity.ERROR or (d.severity > Severity.NOTE and d.code not in said)
-    ]
-    run.add("decode", new)
+    run.add("decode", new_in_reading(run.found, found))
     program = run("decode", (replace(program, origin=lowered.origin), ()))
     verdict, found = judged(program, plan, target, options)
     if has_errors(found):
         found = [*found, *target.advice]
     return program, run("verify", (verdict, found))
+
+
+def new_in_reading(said: Sequence[Diagnostic], found: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return what the reader of a program of ours finds that was not said before.
+
+    Its notes say how it understood a foreign file; and what the writer warned of (the file needs
+    two loads, say) need not be said twice.
+    """
+    codes = {d.code for d in said}
+    return [
+        d
+        for d in found
+        if d.severity is Severity.ERROR or (d.severity > Severity.NOTE and d.code not in codes)
+    ]
 
 
 def judged(

@@ -922,6 +922,17 @@ CODES: dict[str, Code] = {
         "The program itself does not say it.",
         "State it with --origin to have it checked.",
     ),
+    "origin-unknown": Code(
+        "A program proves on none of the thread points that are given.",
+        "The whole of it may be displaced: on another start than the drawing's the part is cut at "
+        "another place of the workpiece.",
+        "State --origin X,Y, or take the place that fits with --fit-origin and look at it.",
+    ),
+    "other-leads": Code(
+        "The way in or out of a contour, or a pause, is another than planned.",
+        "It was proven to stay out of what is kept and off other cuts, and no more.",
+        "Nothing is needed where the program is from elsewhere; look at it with wedmcam plot.",
+    ),
     "other-order": Code(
         "The program cuts the part, in another order, sense or with other leads than planned.",
         "Nothing: the part is what is proven.",
@@ -939,9 +950,9 @@ CODES: dict[str, Code] = {
     ),
     # --- files and the command line --------------------------------------------------------
     "certificate-differs": Code(
-        "a certificate was issued for another program, or another drawing, than is there",
-        "what it says is not about what will be cut",
-        "compile again, or look which of the two was changed",
+        "A certificate says something else than is found now.",
+        "It was changed, or it is of another program or drawing than is there.",
+        "Compile again, or look which of the files was changed.",
     ),
     "settings-syntax": Code(
         "A wedmcam.toml is no TOML, or cannot be read.",

@@ -7,6 +7,7 @@ distances from the planned wire paths gives the micron. No rotation is tried.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +26,9 @@ from wedmcam.judge.walk import Walk, walk
 
 #: Places of the program that are compared with the plan.
 SAMPLES = 2000
+
+#: So many contours of a program are looked at to tell where it may start.
+SOME = 20
 
 
 def fit(
@@ -82,6 +86,30 @@ def fit(
             points_mm=((ox / per, oy / per),),
         )
     ]
+
+
+def may_start(
+    program: Program, plan: Plan, places: Sequence[tuple[int, int]], *, stepping: Stepping
+) -> list[tuple[int, int]]:
+    """Return those of some places at which most contours have boxes of planned wire paths.
+
+    They are in their order, and in steps.
+    """
+    way = walk(replace(program, origin=(0, 0)), stepping)
+    held = pieces(way)
+    boxes = np.array([path_box(c) for c in in_steps(plan, program.step_um).cuts]).reshape(-1, 4)
+    if not held or not len(places):
+        return []
+    every = np.array(places, float).reshape(-1, 2)
+    hits = np.zeros(len(every), np.int64)
+    for piece in held[:SOME]:
+        box = piece.box + np.concatenate([every, every], axis=1)
+        fits = np.zeros(len(every), bool)
+        for one in boxes:
+            fits |= np.abs(box - one).max(axis=1) <= LOST
+        hits += fits
+    may = (hits == hits.max()) & (hits > 0)
+    return [place for place, yes in zip(places, may.tolist(), strict=True) if yes]
 
 
 def _candidates(held: list[Piece], boxes: list[Floats]) -> list[tuple[int, int]]:

@@ -23,13 +23,14 @@ order an error.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic, error, has_errors, note, warning
+from wedmcam.diag import Diagnostic, Severity, error, has_errors, note, warning
 from wedmcam.ir.plan import Cut, Material, Plan, outline_numbers
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.checks import Limits, check_blocks
@@ -202,12 +203,12 @@ class _Case(NamedTuple):
             closures.append(closure)
             findings.extend(found)
         findings.extend(self._leads(route, [a.cut for a in assigned]))
-        if self.strict_order:
-            findings.extend(self._end(way, cuts[-1]))
-            if has_errors(findings):
-                from wedmcam.judge.match import repeated
+        end = self._end(way, cuts[-1])
+        findings.extend(end if self.strict_order else as_notes(end))
+        if self.strict_order and has_errors(findings):
+            from wedmcam.judge.match import repeated
 
-                findings.extend(repeated(way, self.program, self.plan))
+            findings.extend(repeated(way, self.program, self.plan))
 
         gouge, uncut = None, None
         for (material, own), beside in zip(held, materials, strict=True):
@@ -421,8 +422,8 @@ class _Case(NamedTuple):
             findings.append(self._block_error("thread-point", way, last, wrong))
         if self.fitted and not cut.path.closed:
             findings.extend(self._loose_start(way, a, cut))
-        if self.strict_order:
-            findings.extend(self._pauses(way, a, cut, route, high, k))
+        pauses = self._pauses(way, a, cut, route, high, k)
+        findings.extend(pauses if self.strict_order else as_notes(pauses))
         if not route.closed[k]:
             return None, findings
         places = np.concatenate([way.start[a.index[:1]], way.end[a.index]])
@@ -645,6 +646,11 @@ class _Case(NamedTuple):
                 )
             )
         return c.uncut_um
+
+
+def as_notes(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return findings as notes: of a program from elsewhere, whose order and leads are its own."""
+    return [replace(d, severity=Severity.NOTE) for d in findings]
 
 
 def _last(way: Walk) -> int:

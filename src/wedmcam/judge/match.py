@@ -39,6 +39,12 @@ from wedmcam.judge.walk import Walk
 #: A loop of the program and a planned path whose boxes differ by more are not the same, um.
 SAME_BOX = LOST
 
+#: Ways in and out are the same within this, um: ends are rounded, and a stair has no length.
+SAME_LEAD = 5.0
+
+#: So many ways in and out are told one by one.
+LISTED = 10
+
 #: A contour begins within so many blocks of a piece, and ends at one of so many returns.
 EARLY = 6
 
@@ -177,7 +183,7 @@ def _measured(way: Walk, index: Ints) -> tuple[Floats, float]:
     """Return the box of the places of blocks, and the signed area that they go round, um^2."""
     x, y, _ = way.points(index)
     u, v = x - x[0], y - y[0]
-    area = float(np.dot(u, np.roll(v, -1)) - np.dot(np.roll(u, -1), v)) / 2.0
+    area = float((u[:-1] * v[1:] - u[1:] * v[:-1]).sum()) / 2.0  # the first place is (0, 0)
     return np.array([x.min(), y.min(), x.max(), y.max()]), area
 
 
@@ -240,6 +246,7 @@ def match(
     assigned: list[Assigned] = []
     backwards: list[bool] = []
     parts: list[tuple[Segments, int, int]] = []
+    pieces_of: list[tuple[Piece, int]] = []
     for piece, k in paired(way, plan):
         if k < 0:
             findings.append(_stranger(way, program, piece))
@@ -259,6 +266,7 @@ def match(
             parts.append((path if same else reverse(path), int(Role.OVERCUT), number))
             here = turn
         parts.append((_own(way, piece.index[piece.out :]), int(Role.LEAD_OUT), number))
+        pieces_of.append((piece, k))
         assigned.append(Assigned(k, piece.index, piece.pauses))
         backwards.append(back)
     for k in sorted(set(range(len(plan.cuts))) - set(runs_of)):
@@ -297,12 +305,61 @@ def match(
                     span_of(program, int(a.index[0])),
                 )
             )
+    findings.extend(_other_leads(way, program, plan, pieces_of))
     held = join(p[0] for p in parts)
     role = np.concatenate([np.full(len(p[0]), p[1]) for p in parts])
     cut_of = np.concatenate([np.full(len(p[0]), p[2]) for p in parts])
     closed = np.array([c.path.closed for c in cuts])
     thread = way.start[[int(a.index[0]) for a in assigned]]
     return assigned, cuts, assemble(held, role, cut_of, closed, thread), backwards, findings
+
+
+def _other_leads(
+    way: Walk, program: Program, plan: Plan, held: Sequence[tuple[Piece, int]]
+) -> list[Diagnostic]:
+    """Return a note for each way in and each way out that is not as the plan has it.
+
+    A way in of its own leads straight from where it is threaded to its contour, and the way out
+    back: so far it is the plan's with another start, and that is told already. What is told here
+    is another place of arrival, and whatever else is cut on the way.
+    """
+    per = per_mm(program)
+    length = way.lengths()
+    told: list[Diagnostic] = []
+    for piece, k in held:
+        cut = plan.cuts[k]
+        index, row = piece.index, int(piece.index[piece.first])
+        threaded = way.start[int(index[0])].astype(float)
+        x, y = way.start[row].astype(float).tolist()
+        v = cut.path.vertices[0]
+        arrives = float(np.hypot(x - v["x"], y - v["y"]))
+        straight = float(np.hypot(x - threaded[0], y - threaded[1]))
+        way_in = float(length[index[: piece.first]].sum())
+        way_out = float(length[index[piece.out :]].sum())
+        back = straight + 2.0 * cut.overcut_um if cut.path.closed else 0.0
+        said = []
+        if arrives > SAME_LEAD and cut.path.closed:
+            said.append(
+                f"arrives at {mm(x, y, per)} mm, the plan's at {mm(v['x'], v['y'], per)} mm"
+            )
+        if way_in - straight > SAME_LEAD:
+            said.append(f"is {way_in / per:.3f} mm long, straight {straight / per:.3f} mm")
+        if said:
+            told.append(_lead_note(program, f"the way into cut {k + 1} " + " and ".join(said), row))
+        if abs(way_out - back) > SAME_LEAD:
+            first = int(index[min(piece.out, len(index) - 1)])
+            what = f"is {way_out / per:.3f} mm long" if way_out else "is missing"
+            text = f"the way out of cut {k + 1} {what}, the plan's {back / per:.3f} mm"
+            told.append(_lead_note(program, text, first))
+    more = len(told) - LISTED
+    if more > 1:
+        text = f"and {more} more ways in and out are not the plan's"
+        return [*told[:LISTED], note("other-leads", text, count=more)]
+    return told
+
+
+def _lead_note(program: Program, text: str, row: int) -> Diagnostic:
+    return note("other-leads", text, span_of(program, row))
 
 
 def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:

@@ -60,6 +60,11 @@ class Target(Protocol):
         ...
 
     @property
+    def states_counts(self) -> bool:
+        """Whether its blocks state X, Y, J and G as they are run."""
+        ...
+
+    @property
     def needs_lead(self) -> str:
         """Why a path cannot start in the kerf; empty where it can."""
         ...

@@ -107,6 +107,13 @@ class Offsetting(Iso):
             return None, [error("not-reachable", what, behind[0].path.source_of(0), hint=hint)]
         return outlines.started(plan, grid_of(self.machine))
 
+    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
+        """See `Iso.entered`; of a plan with several offsets the D numbers that a compile states."""
+        said = super().entered(options, plan)
+        if said.d or said.every_um is not None or plan is None:
+            return said
+        return self.entries(plan) if all(cut.offset_um for cut in plan.cuts) else said
+
     def entries(self, plan: Plan) -> Entries:
         """A D number for each offset."""
         from wedmcam.transforms import outlines

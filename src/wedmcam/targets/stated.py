@@ -45,6 +45,7 @@ class Stated:
     makes_path: ClassVar[bool] = False
     moves_starts: ClassVar[bool] = False
     takes_gap: ClassVar[bool] = False
+    states_counts: ClassVar[bool] = False
     needs_lead: ClassVar[str] = ""
     square: ClassVar[bool] = False
     geometric: ClassVar[bool] = False
@@ -184,6 +185,7 @@ class Stated:
 class B3(Stated):
     """3B: text, J on an axis, by stepping or by geometry."""
 
+    states_counts = True
     geometric = True
     end = True
 
@@ -200,8 +202,11 @@ class Iso(Stated):
         return "M02"
 
     def entered(self, options: Options, plan: Plan | None = None) -> Entries:
-        """The controller's table of offsets, or the offset as that of all D."""
-        return Entries(d=options.d, every_um=options.offset_um)
+        """The controller's table of offsets; else one offset for all D, of options or plan."""
+        every = options.offset_um
+        if every is None and not options.d and plan is not None:
+            every = _one_offset(plan)
+        return Entries(d=options.d, every_um=every)
 
     def read(
         self, data: bytes, file: str, entries: Entries
@@ -210,6 +215,13 @@ class Iso(Stated):
         from wedmcam.targets.g41 import decode
 
         return decode(data, self.machine, file, entries.offset_of(), entries.dialect)
+
+
+def _one_offset(plan: Plan) -> float | None:
+    """Return the offset of all cuts, um; None where they have several, or one has none."""
+    offsets = {cut.offset_um for cut in plan.cuts}
+    only = offsets.pop() if len(offsets) == 1 else 0.0
+    return only or None
 
 
 class Memory(Stated):
@@ -233,6 +245,8 @@ class Memory(Stated):
 
 class Compact(Memory):
     """The ZD-065's cutting format."""
+
+    states_counts = True
 
     @property
     def block_bytes(self) -> tuple[int, int]:

@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from wedmcam.diag import option_texts
+from wedmcam.ir.colours import colour_of
 from wedmcam.ir.plan import Order, Side
 
 #: File name endings of programs, and the format each means.
@@ -82,6 +83,19 @@ def nm_of(unit: str) -> int:
     raise ValueError(f"takes um, mm, inch, or a length such as 10um or 0.0001in, not '{unit}'")
 
 
+#: Fields that say what of a drawing is taken and left out.
+FILTERS = (
+    "layers",
+    "ignore_layers",
+    "types",
+    "ignore_types",
+    "linetypes",
+    "ignore_linetypes",
+    "colours",
+    "ignore_colours",
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
     """How to compile. Lengths in um.
@@ -89,9 +103,11 @@ class Options:
     Attributes:
         units: "mm", "um" or "inch" whatever the drawing says; None to take its own.
         fill_in_units: ``units`` only where the drawing says none (batch, ruling 7).
-        layers: wildcards of layers to take; empty for all.
-        ignore_layers: wildcards of layers to leave out.
-        ignore_types: wildcards of DXF entity types to leave out.
+        layers: layers to take, names or wildcards; empty for all.
+        ignore_layers: likewise to leave out.
+        types, ignore_types: likewise DXF entity types.
+        linetypes, ignore_linetypes: likewise line types, as they are seen.
+        colours, ignore_colours: colours to take and to leave out; see ``ir.colours``.
         join_um: the largest gap closed between entities.
         transforms: figure transforms in the words of the part language, in their order.
         tolerance_um: how far arcs may lie from a spline or an ellipse.
@@ -131,7 +147,12 @@ class Options:
     fill_in_units: bool = False
     layers: tuple[str, ...] = ()
     ignore_layers: tuple[str, ...] = ()
+    types: tuple[str, ...] = ()
     ignore_types: tuple[str, ...] = ()
+    linetypes: tuple[str, ...] = ()
+    ignore_linetypes: tuple[str, ...] = ()
+    colours: tuple[str, ...] = ()
+    ignore_colours: tuple[str, ...] = ()
     join_um: float = 10.0
     tolerance_um: float = 1.0
     transforms: tuple[str, ...] = ()
@@ -166,6 +187,12 @@ class Options:
         check_reading(self.reading)
         if self.units not in (None, "mm", "um", "inch"):
             raise WrongUse(f"no unit is called '{self.units}': mm, um or inch")
+        for name in ("colours", "ignore_colours"):
+            for text in getattr(self, name):
+                try:
+                    colour_of(text)
+                except ValueError as why:
+                    raise WrongUse(f"--{name.replace('_', '-')[:-1]}: {why}") from None
         if self.count not in (None, "exact", "textbook"):
             raise WrongUse(f"no way of counting is called '{self.count}': exact or textbook")
         if self.arithmetic not in ARITHMETICS:
@@ -244,7 +271,7 @@ class Options:
                 values["side"] = Side(values["side"])
             if "order" in values:
                 values["order"] = Order(values["order"])
-            for name in ("layers", "ignore_layers", "ignore_types", "transforms", "defines"):
+            for name in (*FILTERS, "transforms", "defines"):
                 if name in values:
                     values[name] = tuple(values[name])
             if values.get("cuts") is not None:

@@ -7,11 +7,12 @@ options, so that ``verify --against`` can repeat them.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from wedmcam.diag import option_texts
+from wedmcam.ir.colours import colour_of
 from wedmcam.ir.plan import Order, Side
 from wedmcam.ranges import LENGTHS, PLACE
 
@@ -41,8 +42,21 @@ READING: dict[str, tuple[str, ...]] = {
 SIDED = (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT)
 #: Who can take a clearance -> the side on which it is cut.
 CLEARANCE_ON = {"die": Side.DIE, "punch": Side.PART}
+#: Fields that say what of a drawing is taken and left out.
+FILTERS = (
+    "layers",
+    "ignore_layers",
+    "types",
+    "ignore_types",
+    "linetypes",
+    "ignore_linetypes",
+    "colours",
+    "ignore_colours",
+)
 #: Fields that are lists of texts.
-_TEXTS = frozenset({"layers", "ignore_layers", "ignore_types", "transforms", "defines"})
+_TEXTS = frozenset({*FILTERS, "transforms", "defines"})
+#: No whole number that is asked for is larger.
+LARGEST = 10**12
 #: Fields that are a word, or None.
 _WORDS = frozenset({"source", "count", "units", "arithmetic", "clearance_on"})
 _UNIT = re.compile(r"\s*(\d+\.?\d*|\.\d+)?\s*(um|mm|inch|in)\s*")
@@ -91,40 +105,6 @@ def nm_of(unit: str) -> int:
     raise ValueError(f"takes um, mm, inch, or a length such as 10um or 0.0001in, not '{unit}'")
 
 
-def _is_number(value: Any) -> bool:
-    return type(value) in (int, float) and abs(value) <= LARGEST_UM  # NaN is not
-
-
-def _is_texts(value: Any) -> bool:
-    return isinstance(value, list | tuple) and all(isinstance(v, str) for v in value)
-
-
-def _is_pairs(value: Any) -> bool:
-    return isinstance(value, list | tuple) and all(map(_is_pair, value))
-
-
-def _is_pair(value: Any) -> bool:
-    return isinstance(value, list | tuple) and len(value) == 2 and all(map(_is_number, value))
-
-
-#: No length that is asked for is larger: beyond it sums of um would lose their digits.
-LARGEST_UM = 1e12
-
-#: Annotation of a field of `Options` -> whether plain data can be one.
-_FITS: dict[str, Callable[[Any], bool]] = {
-    "str": lambda v: isinstance(v, str),
-    "str | None": lambda v: v is None or isinstance(v, str),
-    "bool": lambda v: isinstance(v, bool),
-    "int": lambda v: type(v) is int and abs(v) <= LARGEST_UM,
-    "float": _is_number,
-    "float | None": lambda v: v is None or _is_number(v),
-    "tuple[str, ...]": _is_texts,
-    "tuple[int, int] | None": lambda v: v is None or _is_pair(v),
-    "tuple[tuple[float, float], ...]": _is_pairs,
-    "tuple[tuple[int, float], ...]": _is_pairs,
-}
-
-
 @dataclass(frozen=True, slots=True)
 class Options:
     """How to compile. Lengths in um.
@@ -132,9 +112,11 @@ class Options:
     Attributes:
         units: "mm", "um" or "inch" whatever the drawing says; None to take its own.
         fill_in_units: ``units`` only where the drawing says none (batch, ruling 7).
-        layers: wildcards of layers to take; empty for all.
-        ignore_layers: wildcards of layers to leave out.
-        ignore_types: wildcards of DXF entity types to leave out.
+        layers: layers to take, names or wildcards; empty for all.
+        ignore_layers: likewise to leave out.
+        types, ignore_types: likewise DXF entity types.
+        linetypes, ignore_linetypes: likewise line types, as they are seen.
+        colours, ignore_colours: colours to take and to leave out; see ``ir.colours``.
         join_um: the largest gap closed between entities.
         transforms: figure transforms in the words of the part language, in their order.
         tolerance_um: how far arcs may lie from a spline or an ellipse.
@@ -180,7 +162,12 @@ class Options:
     fill_in_units: bool = False
     layers: tuple[str, ...] = ()
     ignore_layers: tuple[str, ...] = ()
+    types: tuple[str, ...] = ()
     ignore_types: tuple[str, ...] = ()
+    linetypes: tuple[str, ...] = ()
+    ignore_linetypes: tuple[str, ...] = ()
+    colours: tuple[str, ...] = ()
+    ignore_colours: tuple[str, ...] = ()
     join_um: float = 10.0
     tolerance_um: float = 1.0
     thin_wall_um: float = 50.0
@@ -221,6 +208,12 @@ class Options:
         check_reading(self.reading)
         if self.units not in (None, "mm", "um", "inch"):
             raise WrongUse(f"no unit is called '{self.units}': mm, um or inch")
+        for name in ("colours", "ignore_colours"):
+            for text in getattr(self, name):
+                try:
+                    colour_of(text)
+                except ValueError as why:
+                    raise WrongUse(f"--{name.replace('_', '-')[:-1]}: {why}") from None
         if self.count not in (None, "exact", "textbook"):
             raise WrongUse(f"no way of counting is called '{self.count}': exact or textbook")
         if self.arithmetic not in ARITHMETICS:
@@ -274,11 +267,16 @@ class Options:
             elif isinstance(field.default, bool):
                 if not isinstance(value, bool):
                     raise WrongUse(f"{option} takes true or false, not {value!r}")
+            elif isinstance(field.default, int):
+                if type(value) is not int or abs(value) > LARGEST:
+                    raise WrongUse(f"{option} takes a whole number, not {value!r:.40}")
             elif name in _TEXTS:
                 if isinstance(value, str) or not all(isinstance(v, str) for v in value):
                     raise WrongUse(f"{option} takes a list of texts, not {value!r}")
             elif name in _WORDS and not isinstance(value, str | None):
                 raise WrongUse(f"{option} takes text, not {value!r}")
+        if self.cuts is not None and [type(n) for n in self.cuts] != [int, int]:
+            raise WrongUse(f"--cuts takes the first and the last contour, not {self.cuts!r:.40}")
         if not all(PLACE.holds(v) for point in self.starts_um for v in point):
             raise WrongUse(f"--start takes coordinates of {PLACE}, not {self.starts_um!r} um")
         if not all(PLACE.holds(um) for _, um in self.d):
@@ -367,14 +365,9 @@ class Options:
             WrongUse: an unknown key or value, or one of another type.
         """
         values = dict(data)
-        annotations = {f.name: str(f.type) for f in fields(cls)}
         try:
             if "wishes" in values:
                 raise ValueError("wishes are of whoever types them")
-            for name, value in values.items():
-                fits = _FITS.get(annotations.get(name, ""))
-                if fits is not None and not fits(value):
-                    raise ValueError(f"{name} cannot be {value!r:.40}")
             if "side" in values:
                 values["side"] = Side(values["side"])
             if "order" in values:
@@ -386,8 +379,7 @@ class Options:
                 if name in values:
                     values[name] = tuple((str(n), of(v)) for n, v in _pairs(values[name]))
             if values.get("cuts") is not None:
-                first, last = values["cuts"]
-                values["cuts"] = (int(first), int(last))
+                values["cuts"] = tuple(values["cuts"])
             if "d" in values:
                 values["d"] = tuple((int(n), float(um)) for n, um in values["d"])
             if "starts_um" in values:

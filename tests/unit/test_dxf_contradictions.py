@@ -169,7 +169,7 @@ def test_units_with_two_values():
 def test_a_layer_twice_matters_where_one_of_them_is_not_read():
     data = bare("0 CIRCLE 8 A 8 B 10 20 20 10 40 5")
     assert said(data) == ["warning[stated-twice]"]
-    assert said(data, layers=("A",))[0] == "error[stated-twice]"
+    assert "error[stated-twice]" in said(data, layers=("A",))
 
 
 @pytest.mark.parametrize(("first", "second", "bad"), [(7, -7, True), (7, 3, False)])
@@ -403,7 +403,7 @@ def test_a_value_twice_is_found_wherever_it_stands(data):
     text += "".join(f"{c}\n{v}\n" for c, v in tags) + "0\nENDSEC\n0\nEOF\n"
     from wedmcam.frontends.dxf.contradictions import Reading, contradictions
 
-    reading = Reading((), lambda layer: True, lambda kind: True, True)
+    reading = Reading((), lambda layer: True, lambda kind, layer: False, True)
     found = contradictions(tags_of_text(text, "a"), reading)
     twice = [d for d in found if d.code == "stated-twice"]
     assert [d.message.split(" twice")[0] for d in twice] == [f"1 {kind} with group {code}"]

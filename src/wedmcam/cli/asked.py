@@ -32,6 +32,27 @@ def _stack(*options: Callable[[F], F]) -> Callable[[F], F]:
     return apply
 
 
+#: What filters go by: option, what it takes, what that is in a sentence.
+_FILTERS = (
+    ("layer", "NAME", "this layer"),
+    ("type", "NAME", "entities of this DXF type, such as HATCH"),
+    ("linetype", "NAME", "what is drawn in this line type, such as CENTER"),
+    ("colour", "NAME", "what is drawn in this colour: red to white, 1 to 255, #rrggbb"),
+)
+
+
+def _filters() -> list[Callable[[F], F]]:
+    """Return the options that take and leave out: names or wildcards, any number of them."""
+    made = []
+    for name, metavar, what in _FILTERS:
+        for prefix, sentence in (("", f"Take only {what}"), ("ignore-", f"Leave out {what}")):
+            words: dict[str, Any] = {"metavar": metavar, "help": f"{sentence}; repeat."}
+            field = f"{prefix}{name}s".replace("-", "_")
+            other = [f"--{prefix}color"] if name == "colour" else []
+            made.append(click.option(f"--{prefix}{name}", *other, field, multiple=True, **words))
+    return made
+
+
 drawing_options = _stack(
     click.option("--from", "from_", metavar="FORMAT", help="Format of the input: dxf or wed."),
     click.option(
@@ -39,17 +60,7 @@ drawing_options = _stack(
         type=click.Choice(["mm", "um", "inch"]),
         help="Unit of the drawing, whatever it says itself.",
     ),
-    click.option("--layer", "layers", multiple=True, metavar="NAME", help="Take only this layer."),
-    click.option(
-        "--ignore-layer", "ignore_layers", multiple=True, metavar="NAME", help="Leave it out."
-    ),
-    click.option(
-        "--ignore-type",
-        "ignore_types",
-        multiple=True,
-        metavar="NAME",
-        help="Leave entities of this DXF type out, such as HATCH; repeat.",
-    ),
+    *_filters(),
     click.option(
         "--join", "join_um", type=length("join_um"), default="0.01mm", help="Largest gap closed."
     ),
@@ -279,7 +290,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         WrongUse: options that do not fit together.
     """
     from wedmcam.ir.plan import Order, Side
-    from wedmcam.options import READING, Options, WrongUse
+    from wedmcam.options import FILTERS, READING, Options, WrongUse
 
     offset = asked["offset_um"]
     wire, gap = asked["wire_um"], asked["gap_um"]
@@ -289,12 +300,12 @@ def options_of(asked: dict[str, Any]) -> Options:
         offset = wire / 2 + gap
     elif wire is not None or gap is not None:
         raise WrongUse("--wire and --gap go together: offset = wire / 2 + gap")
+    read: dict[str, Any] = {name: asked.get(name) for name in READING}
+    taken: dict[str, Any] = {name: asked[name] for name in FILTERS}
     return Options(
         units=asked["units"],
         fill_in_units=asked.get("fill_in_units", False),
-        layers=asked["layers"],
-        ignore_layers=asked["ignore_layers"],
-        ignore_types=asked["ignore_types"],
+        **taken,
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
         thin_wall_um=asked["thin_wall_um"],
@@ -324,7 +335,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         backwards=asked["backwards"],
         d=asked.get("d", ()),
         wishes=wishes_of(asked),
-        **{name: asked.get(name) for name in READING},
+        **read,
     )
 
 

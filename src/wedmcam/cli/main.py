@@ -524,16 +524,14 @@ def inspect_command(input_: str, **asked: Any) -> int:
     from wedmcam.cli import say
     from wedmcam.cli.tables import say_inspection
     from wedmcam.ir.plan import Side
-    from wedmcam.options import Options
+    from wedmcam.options import FILTERS, Options
 
     ask.check_source(input_, asked["from_"])
     side = Side.DIE if asked["side"] == "die" else None
     options = Options(
         units=asked["units"],
         fill_in_units=asked.get("fill_in_units", False),
-        layers=asked["layers"],
-        ignore_layers=asked["ignore_layers"],
-        ignore_types=asked["ignore_types"],
+        **{name: asked[name] for name in FILTERS},
         join_um=asked["join_um"],
         tolerance_um=asked["tolerance_um"],
         thin_wall_um=asked["thin_wall_um"],

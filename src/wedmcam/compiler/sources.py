@@ -92,7 +92,13 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         fill_in_units=options.fill_in_units,
         layers=options.layers,
         ignore_layers=options.ignore_layers,
+        types=options.types,
         ignore_types=options.ignore_types,
+        linetypes=options.linetypes,
+        ignore_linetypes=options.ignore_linetypes,
+        colours=options.colours,
+        ignore_colours=options.ignore_colours,
+        wished=options.wishes,
         tolerance_um=options.tolerance_um,
     )
     sketch = run("read", read_dxf(data, file, asked))

@@ -105,8 +105,20 @@ CODES: dict[str, Code] = {
         "They are not cut, as asked.",
         "Nothing.",
     ),
+    "look-left-out": Code(
+        "Entities of line types or colours that --linetype, --colour and their --ignore- leave "
+        "out.",
+        "They are not cut, as asked. BYLAYER is the layer's, BYBLOCK that of the INSERT.",
+        "Nothing.",
+    ),
+    "filter-unmatched": Code(
+        "A filter (--layer, --type, --linetype, --colour, or one of their --ignore-) that matches "
+        "nothing in the drawing.",
+        "A misspelt name leaves nothing out, and what was not meant would be cut.",
+        "Correct the name; `wedmcam inspect` lists layers and types.",
+    ),
     "type-left-out": Code(
-        "Entities of types that --ignore-type leaves out.",
+        "Entities of types that --type and --ignore-type leave out.",
         "They are not cut, as asked.",
         "Nothing.",
     ),

@@ -30,6 +30,8 @@ class TextSpan:
 class EntityRef:
     """A DXF entity by handle (group code 5); ``via`` lists INSERT handles, outermost first.
 
+    ``linetype``: that it is drawn with; empty for a plain line.
+
     >>> str(EntityRef("part.dxf", "2F", "ARC", "CUT", via=("1A",)))
     'part.dxf:#1A/2F layer CUT'
     """
@@ -39,9 +41,11 @@ class EntityRef:
     dxftype: str
     layer: str
     via: tuple[str, ...] = ()
+    linetype: str = ""
 
     def __str__(self) -> str:
-        return f"{self.file}:#{'/'.join((*self.via, self.handle))} layer {self.layer}"
+        drawn = f" linetype {self.linetype}" if self.linetype else ""
+        return f"{self.file}:#{'/'.join((*self.via, self.handle))} layer {self.layer}{drawn}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,15 +13,16 @@ only one way to do so, which is where every segment belongs to at most one loop 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import LISTED, Diagnostic, Span, error
+from wedmcam.diag import LISTED, Diagnostic, EntityRef, Span, error
 from wedmcam.geom.measure import segment_areas
-from wedmcam.geom.segments import Floats, Ints, boxes
+from wedmcam.geom.segments import Floats, Ints, boxes, make
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.sketch import Sketch
 from wedmcam.transforms.doubles import (
@@ -35,6 +36,7 @@ from wedmcam.transforms.doubles import (
     without_nothing,
     zero_length,
 )
+from wedmcam.transforms.hints import with_linetypes
 from wedmcam.transforms.joints import Joints, join
 from wedmcam.transforms.meetings import Placed, meetings
 
@@ -126,7 +128,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         duplicates=copies,
         zero_length=nothing,
     )
-    return contours, report, (*found, *meetings(placed, sources))
+    return contours, report, with_linetypes((*found, *meetings(placed, sources)))
 
 
 def _full(rows: Rows) -> Rows:
@@ -278,16 +280,27 @@ def _branch_findings(
     found = []
     for v in bad[:LISTED].tolist():
         x, y = float(joints.x[v]), float(joints.y[v])
-        meet = joints.rows["source"][at[first[v] : first[v] + degree[v]] // 2]
-        spans = [sources[k] for k in sorted(set(meet.tolist())) if 0 <= k < len(sources)]
+        rows = at[first[v] : first[v] + degree[v]] // 2
+        meet = Counter(joints.rows["source"][rows].tolist())
+        known = [k for k in sorted(meet) if 0 <= k < len(sources)]
+        closing = [k for k in known if _closing(joints, sources, k) in rows]
         why = "so the contour branches" if degree[v] % 2 else "in more than one way"
+        hint = "remove what is not to be cut, or put it on a layer of its own"
+        if closing:
+            names = ", ".join(_name(sources[k]) for k in closing)
+            why += f"; one of them is the closing segment of {names}, whose closed flag is set"
+            hint = f"clear the closed flag of {names} if it is to end there; else {hint}"
+        notes = []
+        for k in known:
+            what = f"{meet[k]} segments of this meet there" if meet[k] > 1 else "this meets there"
+            notes.append((what + (", one of them closes it" if k in closing else ""), sources[k]))
         found.append(
             error(
                 "branch",
                 f"{degree[v]} segments meet at {place(x, y)}, {why}",
-                spans[0] if spans else None,
-                notes=tuple(("this meets there", s) for s in spans),
-                hint="remove what is not to be cut, or put it on a layer of its own",
+                sources[known[0]] if known else None,
+                notes=tuple(notes),
+                hint=hint,
                 points_mm=((x / 1e3, y / 1e3),),
             )
         )
@@ -295,6 +308,21 @@ def _branch_findings(
         more = len(bad) - LISTED
         found.append(error("branch", f"segments branch at {more} further places", count=more))
     return tuple(found)
+
+
+def _name(span: Span) -> str:
+    return f"{span.dxftype} #{span.handle}" if isinstance(span, EntityRef) else str(span)
+
+
+def _closing(joints: Joints, sources: tuple[Span, ...], k: int) -> int:
+    """Return the row that closes a polyline of several segments; -1 where none does."""
+    span = sources[k]
+    if not isinstance(span, EntityRef) or span.dxftype not in ("LWPOLYLINE", "POLYLINE"):
+        return -1
+    rows = np.flatnonzero(joints.rows["source"] == k)
+    if len(rows) < 2 or joints.nodes[rows[-1], 1] != joints.nodes[rows[0], 0]:
+        return -1
+    return int(rows[-1])
 
 
 # --- from runs to contours ------------------------------------------------------------------
@@ -435,19 +463,24 @@ def open_contour_findings(
         join_um: the tolerance that was in force, for the message.
     """
     ends: list[tuple[_End, _End]] = []
+    pieces: list[_Piece | None] = []
     for k, c in enumerate(contours):
         if not c.closed:
             v = c.vertices
             first = _End(float(v["x"][0]), float(v["y"][0]), k, c.source_of(0))
             last = _End(float(v["x"][-1]), float(v["y"][-1]), k, c.source_of(len(v) - 2))
             ends.append((first, last))
+            pieces.append(_piece(c))
     loose = [e for pair in ends for e in pair]
     xy = np.array([(e.x, e.y) for e in loose]).reshape(-1, 2)
     found = []
-    for at, (first, last) in enumerate(ends[:LISTED]):
+    for at, ((first, last), piece) in enumerate(zip(ends[:LISTED], pieces, strict=False)):
         gap = math.hypot(last.x - first.x, last.y - first.y)
-        nearest = [_nearest(xy, 2 * at + side) for side in (0, 1)]
+        nearest = [_nearest(xy, 2 * at + side, piece is not None) for side in (0, 1)]
         needed = max(d for _, d in nearest)
+        if piece is not None and min(d for _, d in nearest) > PROPOSED_UM:
+            found.append(_loose_piece(piece, first, last))
+            continue
         hint = None
         if join_um < needed <= PROPOSED_UM:
             hint = f"--join {_up(needed):.3f} would close the gap"
@@ -455,7 +488,7 @@ def open_contour_findings(
             hint = "the ends lie within --join, but the segment between them is shorter than that"
         notes = []
         for end, (other, d) in zip((first, last), nearest, strict=True):
-            if loose[other].contour != end.contour:
+            if d < math.inf and loose[other].contour != end.contour:
                 text = f"the loose end nearest to {end} is at {loose[other]}, {mm(d)} mm away"
                 notes.append((text, loose[other].span))
         notes.append((f"the other end is at {last}", last.span))
@@ -473,13 +506,55 @@ def open_contour_findings(
     if len(ends) > LISTED:
         more = len(ends) - LISTED
         found.append(error("open-contour", f"{more} further contours are open", count=more))
-    return tuple(found)
+    return with_linetypes(found)
 
 
-def _nearest(xy: Floats, end: int) -> tuple[int, float]:
-    """Return which other loose end is nearest to one, and how far away it is, um."""
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """An open contour whose ends no join can bring together: what it is, and its length, um."""
+
+    what: str
+    length: float
+
+
+def _piece(c: Contour) -> _Piece | None:
+    """Return a contour as a piece, if it is one: a line, two lines, or an arc of half a turn.
+
+    What is left of these when their ends meet encloses nothing.
+    """
+    a, b = c.starts, c.ends
+    if len(a) > 2 or (len(a) == 2 and (a["turn"] != 0).any()):
+        return None
+    s = make(a["x"], a["y"], b["x"], b["y"], a["cx"], a["cy"], a["turn"])
+    if s.sweep.max() > math.pi:
+        return None
+    what = "line" if len(a) == 1 and not a["turn"][0] else "arc" if len(a) == 1 else "piece"
+    return _Piece(what, float(s.length.sum()))
+
+
+def _loose_piece(piece: _Piece, first: _End, last: _End) -> Diagnostic:
+    """Return the error about a piece that is far from every other loose end."""
+    text = f"a loose {piece.what} of {mm(piece.length)} mm at {first}"
+    if piece.length > PROPOSED_UM:
+        text = f"a loose {piece.what} of {mm(piece.length)} mm from {first} to {last}"
+    return error(
+        "open-contour",
+        f"{text}: it belongs to no contour, and no --join can close it",
+        first.span,
+        hint="delete it, or leave it out by its layer, type, line type or colour",
+        points_mm=((first.x / 1e3, first.y / 1e3), (last.x / 1e3, last.y / 1e3)),
+    )
+
+
+def _nearest(xy: Floats, end: int, others: bool = False) -> tuple[int, float]:
+    """Return which other loose end is nearest to one, and how far away it is, um.
+
+    ``others``: its own contour's other end does not count.
+    """
     d = np.hypot(xy[:, 0] - xy[end, 0], xy[:, 1] - xy[end, 1])
     d[end] = np.inf
+    if others:
+        d[end ^ 1] = np.inf
     other = int(np.argmin(d))
     return other, float(d[other])
 

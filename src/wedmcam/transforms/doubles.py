@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, note
+from wedmcam.diag import Diagnostic, Span, note, warning
 from wedmcam.geom.measure import middles
 from wedmcam.geom.pairs import self_overlapping
 from wedmcam.geom.segments import Floats, Segments, make
@@ -149,6 +149,7 @@ def without_copies(
     keep[gone] = False
     first = ahead[gone[np.lexsort((ahead["y0"][gone], ahead["x0"][gone]))[0]]]
     at = place(float(first["x0"]), float(first["y0"]))
+    slits = _slits(rows, gone, original)
     what = "1 segment is" if len(gone) == 1 else f"{len(gone)} segments are"
     found = note(
         "duplicate",
@@ -157,7 +158,40 @@ def without_copies(
         points_mm=((float(first["x0"]) / 1e3, float(first["y0"]) / 1e3),),
         count=len(gone),
     )
-    return rows[keep], len(gone), (found,)
+    return rows[keep], len(gone), (found, *_slit_findings(ahead, slits, sources))
+
+
+def _slits(rows: Rows, gone: NDArray[np.int64], original: dict[int, int]) -> list[int]:
+    """Return copies that are another side of the same entity, and lie beside it: no trace of it."""
+    kept = np.array([original[k] for k in gone.tolist()])
+    same = rows["source"][gone] == rows["source"][kept]
+    beside = np.zeros(len(gone), np.bool_)
+    a, b = forward(rows[gone]), forward(rows[kept])
+    for name in ("x0", "y0", "x1", "y1"):
+        beside |= np.abs(a[name] - b[name]) > NOISE_UM
+    return [int(k) for k in gone[same & beside & (rows["source"][gone] >= 0)]]
+
+
+def _slit_findings(
+    ahead: Rows, slits: list[int], sources: tuple[Span, ...]
+) -> tuple[Diagnostic, ...]:
+    """Return a warning about sides of one entity of which one is left out."""
+    if not slits:
+        return ()
+    first = ahead[slits[0]]
+    x, y = float(first["x0"]), float(first["y0"])
+    many = "two sides" if len(slits) == 1 else f"{len(slits)} pairs of sides"
+    return (
+        warning(
+            "duplicate",
+            f"{many} of one entity lie within {mm(SAME_UM)} mm of each other, at {place(x, y)}: "
+            "a slit; one of the two is left out",
+            span_of(first, sources),
+            hint="draw it as one line, or wider than the wire",
+            points_mm=((x / 1e3, y / 1e3),),
+            count=len(slits),
+        ),
+    )
 
 
 def _near_copies(ahead: Rows, kept: NDArray[np.int64], original: dict[int, int]) -> None:

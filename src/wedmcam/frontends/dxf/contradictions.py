@@ -76,14 +76,17 @@ class Reading:
     Attributes:
         blocks: names of the blocks, in lower case, of which something is cut somewhere.
         layer: whether what lies on a layer is cut, or is a thread point.
-        kind: whether entities of a type are read: not where they are left out by name.
+        leaves_out_type: whether entities of a type, on a layer, are left out.
         units: whether the size follows from the drawing's own units.
+        leaves_out_look: whether entities are left out by layer, line type, colour index, true
+            colour, and whether no block holds them; None where no look decides.
     """
 
     blocks: Collection[str]
     layer: Callable[[str], bool]
-    kind: Callable[[str], bool]
+    leaves_out_type: Callable[[str, str], bool]
     units: bool
+    leaves_out_look: Callable[..., bool] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,15 +162,19 @@ class _Look:
         if tags.kinds[mark] == tags.names.get("VERTEX", -1):  # its polyline decides
             before = int(np.searchsorted(self.polylines, mark)) - 1
             mark = int(self.polylines[before]) if before >= 0 else mark
-        if not self.reading.kind(self.kind_of[int(tags.kinds[mark])]):
+        layer = tags.first(mark, 8) or "0"
+        if self.reading.leaves_out_type(self.kind_of[int(tags.kinds[mark])], layer):
             return False
         if any((tags.first(mark, code) or "0") not in ("", "0") for code in (60, 67)):
             return False  # invisible, or in paper space
         if tags.kinds[mark] == tags.names.get("INSERT", -1):  # its block lies on layers of its own
             return (tags.first(mark, 2) or "").lower() in self.reading.blocks
-        layer = tags.first(mark, 8) or "0"
         if block is not None and layer == "0":  # the layer of the INSERT
             return True
+        if self.reading.leaves_out_look is not None:
+            look = (tags.first(mark, code) for code in (6, 62, 420))
+            if self.reading.leaves_out_look(layer, *look, block is None):
+                return False
         return self.reading.layer(layer)
 
     def on_layers_alike(self, mark: int) -> bool:

@@ -7,7 +7,6 @@ scale of 0, and their children have lost their handles.
 
 from __future__ import annotations
 
-import fnmatch
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import EntityRef
 from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, Linear, ellipses_of, image, segments
+from wedmcam.frontends.dxf.filters import START, TOP, Both, Filters, LayerLooks, Look
 from wedmcam.frontends.dxf.kinds import is_annotation
 from wedmcam.frontends.dxf.shapes import Heap, Insert
 from wedmcam.ir.sketch import SEGMENT, ThreadPoint
@@ -54,6 +54,7 @@ class Fate(Enum):
     CUT = "cut"
     HIDDEN = "hidden"
     LEFT_OUT = "left out"
+    LOOK_LEFT_OUT = "left out by its line type or colour"
     START = "start"
 
 
@@ -64,7 +65,7 @@ _TAKEN = frozenset({Fate.CUT, Fate.START})
 class Layers:
     """What becomes of each layer: by its state in the drawing and by the user's filters."""
 
-    def __init__(self, table: Any, take: tuple[str, ...], ignore: tuple[str, ...]) -> None:
+    def __init__(self, table: Any, filters: Both) -> None:
         self._off: set[str] = set()
         self._frozen: set[str] = set()
         for layer in table:
@@ -73,8 +74,7 @@ class Layers:
                 self._off.add(name)
             if layer.dxf.get("flags", 0) & 1:
                 self._frozen.add(name)
-        self._take = tuple(p.casefold() for p in take)
-        self._ignore = tuple(p.casefold() for p in ignore)
+        self._filters = filters
         self._fates: dict[str, Fate] = {}
 
     def frozen(self, layer: str) -> bool:
@@ -90,13 +90,9 @@ class Layers:
     def _decide(self, name: str) -> Fate:
         if name in self._off or name in self._frozen or name == "defpoints":
             return Fate.HIDDEN
-        if any(fnmatch.fnmatchcase(name, p) for p in self._ignore):
+        if self._filters and self._filters.leaves_out(name, name == START):
             return Fate.LEFT_OUT
-        if name == "start":
-            return Fate.START
-        if self._take and not any(fnmatch.fnmatchcase(name, p) for p in self._take):
-            return Fate.LEFT_OUT
-        return Fate.CUT
+        return Fate.START if name == START else Fate.CUT
 
 
 Census = Counter[tuple[str, str]]
@@ -112,7 +108,8 @@ class Placement:
         cut: (type, layer) -> how many entities were read as geometry.
         others: likewise what is never cut: text and the like.
         hidden: likewise what the drawing does not show.
-        left_out: likewise what the user's filters leave out.
+        left_out: likewise what is on layers that the user leaves out.
+        looks_left_out: likewise what is of a line type or colour that the user leaves out.
         types_left_out: likewise what is of a type that the user leaves out.
         no_points: likewise what is on layer START and is no thread point.
         problems: (code, text) -> the entities that have it, each once.
@@ -130,11 +127,12 @@ class Placement:
     others: Census = field(default_factory=Counter)
     hidden: Census = field(default_factory=Counter)
     left_out: Census = field(default_factory=Counter)
+    looks_left_out: Census = field(default_factory=Counter)
     types_left_out: Census = field(default_factory=Counter)
     no_points: Census = field(default_factory=Counter)
     problems: dict[tuple[str, str], dict[EntityRef, None]] = field(default_factory=dict)
     dropped: dict[EntityRef, None] = field(default_factory=dict)
-    widths: dict[EntityRef, None] = field(default_factory=dict)
+    widths: dict[EntityRef, float] = field(default_factory=dict)
     heights: dict[int, EntityRef] = field(default_factory=dict)
     approximated: Counter[str] = field(default_factory=Counter)
     arcs: int = 0
@@ -152,7 +150,10 @@ class Placement:
 
 @dataclass(frozen=True, slots=True)
 class _Copy:
-    """A heap somewhere: how it is transformed, by which INSERTs, and what layer 0 means in it."""
+    """A heap somewhere: how it is transformed, by which INSERTs, and what layer 0 means in it.
+
+    ``look``: what BYBLOCK means in it.
+    """
 
     heap: Heap
     matrix: Matrix
@@ -160,6 +161,7 @@ class _Copy:
     names: tuple[str, ...]
     layer: str
     hidden: bool
+    look: Look = TOP
 
     @property
     def flat(self) -> bool:
@@ -242,10 +244,12 @@ class Placer:
         layers: Layers,
         file: str,
         gather: Gather,
+        filters: Filters,
         tolerance: float = 1.0,
     ) -> None:
         self._doc, self._scale, self._layers, self._file = doc, scale, layers, file
-        self._gather = gather
+        self._gather, self._filters = gather, filters
+        self._looks = LayerLooks(doc.layers)
         self._tolerance = tolerance
         self._wanted: dict[tuple[int, Any], _Wanted] = {}
         self._copied: list[tuple[_Copy, list[Fate], tuple[int, Any], Matrix]] = []
@@ -271,15 +275,27 @@ class Placer:
     def _ref(self, copy: _Copy, at: int) -> EntityRef:
         kind, handle, layer = copy.heap.entities[at]
         layer = copy.layer if layer == "0" else layer
-        return EntityRef(self._file, handle, kind, layer, copy.via)
+        linetype = self._look(copy, at, layer).linetype or ""
+        return EntityRef(self._file, handle, kind, layer, copy.via, linetype)
+
+    def _look(self, copy: _Copy, at: int, layer: str) -> Look:
+        """Return how an entity of a copy is seen."""
+        return self._looks.seen(copy.heap.looks.get(at), layer, copy.look)
 
     def _fates(self, copy: _Copy) -> list[Fate]:
         """Return what becomes of each entity of a copy."""
         fates = []
+        inserts = {i.entity for i in copy.heap.inserts} if self._filters.by_look else set()
         for at, (_, _, layer) in enumerate(copy.heap.entities):
-            fate = self._layers.fate(copy.layer if layer == "0" else layer)
+            layer = copy.layer if layer == "0" else layer
+            fate = self._layers.fate(layer)
             hidden = copy.hidden or at in copy.heap.invisible
-            fates.append(Fate.HIDDEN if hidden else fate)
+            asked = self._filters.by_look and fate in _TAKEN and at not in inserts
+            if hidden:
+                fate = Fate.HIDDEN
+            elif asked and self._filters.leaves_out_look(self._look(copy, at, layer), layer):
+                fate = Fate.LOOK_LEFT_OUT
+            fates.append(fate)
         return fates
 
     def _shown(self, copy: _Copy) -> bool:
@@ -293,7 +309,12 @@ class Placer:
             out.blocks.add(copy.names[-1])
         blocks = {i.entity for i in heap.inserts}
         bad = {p.entity for p in heap.problems if p.code not in READ}
-        books = {Fate.CUT: out.cut, Fate.HIDDEN: out.hidden, Fate.LEFT_OUT: out.left_out}
+        books = {
+            Fate.CUT: out.cut,
+            Fate.HIDDEN: out.hidden,
+            Fate.LEFT_OUT: out.left_out,
+            Fate.LOOK_LEFT_OUT: out.looks_left_out,
+        }
         points = {p[0] for p in heap.points}
         for at, (kind, _, layer) in enumerate(heap.entities):
             fate = fates[at]
@@ -325,9 +346,10 @@ class Placer:
         for at in heap.dropped:
             if fates[at] is Fate.CUT:
                 out.dropped.setdefault(self._ref(copy, at))
-        for at in heap.widths:
+        size = float(np.hypot(copy.matrix[0], copy.matrix[1]))
+        for at, width in heap.widths.items():
             if fates[at] is Fate.CUT:
-                out.widths.setdefault(self._ref(copy, at))
+                out.widths.setdefault(self._ref(copy, at), width * size)
         if Fate.START in fates:
             self._thread_points(copy, fates)
         if not len(heap.segments) and not heap.curves:
@@ -452,7 +474,8 @@ class Placer:
             heap, bx, by = block
             via, names = (*copy.via, ref.handle), (*copy.names, key)
             matrix = _times(copy.matrix, _local(insert, 0, 0, bx, by))
-            first = _Copy(heap, matrix, via, names, ref.layer, hidden)
+            look = self._look(copy, insert.entity, ref.layer)
+            first = _Copy(heap, matrix, via, names, ref.layer, hidden, look)
             if min(insert.columns, insert.rows) < 0:
                 if self._shown(first):
                     grid = f"{insert.name} with {insert.columns} columns and {insert.rows} rows"

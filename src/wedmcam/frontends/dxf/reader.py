@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
 from wedmcam.frontends.dxf import units
 from wedmcam.frontends.dxf.contradictions import Reading, contradictions
-from wedmcam.frontends.dxf.kinds import BOUNDED, GEOMETRY
+from wedmcam.frontends.dxf.filters import TOP, Filters, LayerLooks, Look, filters_of
+from wedmcam.frontends.dxf.kinds import BOUNDED, GEOMETRY, is_annotation
 from wedmcam.frontends.dxf.load import Loaded, load
 from wedmcam.frontends.dxf.place import (
     MOST_COPIES,
@@ -30,10 +31,11 @@ from wedmcam.frontends.dxf.place import (
     finite,
 )
 from wedmcam.frontends.dxf.salvage import Unreadable
-from wedmcam.frontends.dxf.shapes import Heap, gather, is_ignored
+from wedmcam.frontends.dxf.shapes import Heap, gather, type_of
 from wedmcam.frontends.dxf.tags import Tags
 from wedmcam.frontends.dxf.texts import texts_of
 from wedmcam.frontends.dxf.unread import unread
+from wedmcam.ir.colours import of_rgb
 from wedmcam.ir.sketch import Sketch, SketchInfo, Unread
 
 Rows = NDArray[np.void]
@@ -42,6 +44,8 @@ Rows = NDArray[np.void]
 TAPER_UM = 100.0
 #: How many handles a finding about many entities names.
 NAMED = 5
+#: Sides that differ by less are those of a circle, mm.
+ROUND_MM = 1e-3
 #: Of entities that cannot be read this many are listed.
 MOST_UNREADABLE = 20
 
@@ -54,9 +58,13 @@ class DxfOptions:
         units: "mm", "um" or "inch": what one drawing unit is, whatever the drawing says; None to
             go by the drawing.
         fill_in_units: ``units`` only stands in where the drawing says none (``batch``).
-        layers: patterns (``*``, ``?``, any case) of layers to take; none: all.
-        ignore_layers: patterns of layers to leave out; they win.
-        ignore_types: patterns of entity types to leave out.
+        layers: layers to take, in any case: names, or patterns (``*``, ``?``); none: all.
+        ignore_layers: likewise to leave out; they win.
+        types, ignore_types: likewise types of entities.
+        linetypes, ignore_linetypes: likewise line types, as they are seen.
+        colours, ignore_colours: likewise colours, as `ir.colours.colour_of` takes them.
+        wished: which of these are of this drawing alone, by name: one that matches nothing is said;
+            None: all.
         tolerance_um: how far the arcs that splines and ellipses become may be from them.
     """
 
@@ -64,7 +72,13 @@ class DxfOptions:
     fill_in_units: bool = False
     layers: tuple[str, ...] = ()
     ignore_layers: tuple[str, ...] = ()
+    types: tuple[str, ...] = ()
     ignore_types: tuple[str, ...] = ()
+    linetypes: tuple[str, ...] = ()
+    ignore_linetypes: tuple[str, ...] = ()
+    colours: tuple[str, ...] = ()
+    ignore_colours: tuple[str, ...] = ()
+    wished: frozenset[str] | None = None
     tolerance_um: float = 1.0
 
 
@@ -96,35 +110,37 @@ def read(
         header.insunits, header.measurement, options.units, options.fill_in_units, file
     )
     found += said
-    layers = Layers(loaded.doc.layers, options.layers, options.ignore_layers)
+    filters, said = filters_of(loaded.doc, options, file, type_of)
+    found += said
+    layers = Layers(loaded.doc.layers, filters.layers)
     # Without units the size is still wanted, in drawing units: 1000 um each, printed as mm.
     scale = unit.scale or 1000.0
-    ignore = tuple(p.casefold() for p in options.ignore_types)
 
     def heap_of(layout: Any, annotation: bool) -> Heap:
-        return gather(layout, scale, ignore, annotation)
+        return gather(layout, scale, filters, annotation)
 
-    placer = Placer(loaded.doc, scale, layers, file, heap_of, options.tolerance_um)
+    placer = Placer(loaded.doc, scale, layers, file, heap_of, filters, options.tolerance_um)
     placer.place(loaded.doc.modelspace())
     placed = placer.placed
     rows = finite(placer.rows(), placed)
     bounds = Unread()
     if any(kind in BOUNDED for kind, _ in placed.others):
-        bounds, there = unread(loaded.doc, scale, layers, file, ignore, options.tolerance_um)
+        bounds, there = unread(loaded.doc, scale, layers, file, filters, options.tolerance_um)
         _boundless(there, placed, loaded.unreadable)
     found += contradictions(
         loaded.tags,
         Reading(
             placed.blocks,
             lambda layer: layers.fate(layer) in (Fate.CUT, Fate.START),
-            lambda kind: not is_ignored(kind, ignore),
+            filters.leaves_out_type,
             options.units is None or options.fill_in_units,
+            _looks(loaded, filters),
         ),
     )
     found += _unreadable(placed, loaded.unreadable)
     found += _problems(placed, loaded.tags)
     found += _curves(placed, options, file)
-    found += _said(placed, _paper_space(loaded.doc), file)
+    found += _said(placed, _paper_space(loaded.doc), file, rows)
     if not len(rows) and not has_errors(found):
         found.append(_empty(placed, loaded.doc, options, file))
     width, height = _size(rows)
@@ -138,6 +154,30 @@ def read(
     written = texts_of(loaded.doc, scale) if placed.others or placed.blocks else np.zeros((0, 2))
     sketch = Sketch(rows, tuple(placed.sources), tuple(placed.points), info, bounds, written)
     return sketch, tuple(found)
+
+
+def _looks(loaded: Loaded, filters: Filters) -> Callable[..., bool] | None:
+    """Return what tells whether a look is left out, by what the tags of an entity say of it."""
+    if not filters.by_look:
+        return None
+    layers = LayerLooks(loaded.doc.layers)
+
+    def left_out(
+        layer: str, linetype: str | None, index: str | None, rgb: str | None, top: bool
+    ) -> bool:
+        if not top and ((linetype or "").lower() == "byblock" or (rgb is None and index == "0")):
+            return False  # that of each INSERT
+        by_layer = linetype is None or linetype.lower() == "bylayer"
+        colour = None if index in (None, "256") else index
+        try:
+            colour = of_rgb(int(rgb)) if rgb is not None else colour
+            colour = str(abs(int(colour))) if colour and colour[0] != "#" else colour
+        except ValueError:
+            return False
+        look = layers.seen(Look(None if by_layer else linetype, colour), layer, TOP)
+        return filters.leaves_out_look(look, layer)
+
+    return left_out
 
 
 def _boundless(there: Placement, placed: Placement, unreadable: tuple[Unreadable, ...]) -> None:
@@ -351,7 +391,7 @@ def _handles(spans: Iterable[EntityRef]) -> str:
     return f" ({', '.join(names[:NAMED])}{more})"
 
 
-def _said(placed: Placement, paper: int, file: str) -> list[Diagnostic]:
+def _said(placed: Placement, paper: int, file: str, rows: Rows) -> list[Diagnostic]:
     """Return the findings about what was left out or simplified, each kind once."""
     where = FileSpan(file)
     found = []
@@ -360,6 +400,7 @@ def _said(placed: Placement, paper: int, file: str) -> list[Diagnostic]:
         (warning, "hidden-not-cut", placed.hidden, "hidden in the drawing and not cut"),
         (note, "layer-left-out", placed.left_out, "on layers left out"),
         (note, "type-left-out", placed.types_left_out, "of types left out"),
+        (note, "look-left-out", placed.looks_left_out, "of line types or colours left out"),
         (warning, "start-layer", placed.no_points, "on layer START that are no thread points"),
     ):
         if census:
@@ -368,15 +409,35 @@ def _said(placed: Placement, paper: int, file: str) -> list[Diagnostic]:
         found.append(
             note("not-cut", f"{paper} entities in paper space not cut", where, count=paper)
         )
-    for code, refs, words in (
-        ("zero-length", placed.dropped, "with pieces without length, dropped"),
-        ("polyline-width", placed.widths, "with a width: its centre line is taken"),
-    ):
-        if refs:
-            spans = list(refs)
-            many = f"{len(spans)} {'entity' if len(spans) == 1 else 'entities'} {words}"
-            found.append(note(code, many + _handles(spans), spans[0], count=len(spans)))
+    if placed.dropped:
+        spans = list(placed.dropped)
+        many = f"{len(spans)} {'entity' if len(spans) == 1 else 'entities'} with pieces without "
+        text = f"{many}length, dropped{_handles(spans)}"
+        found.append(note("zero-length", text, spans[0], count=len(spans)))
+    if placed.widths:
+        found.append(_wide(placed, rows))
     return found
+
+
+def _wide(placed: Placement, rows: Rows) -> Diagnostic:
+    """Return the warning about wide polylines: what is seen of them is not what is cut."""
+    spans = list(placed.widths)
+    first = spans[0]
+    width = placed.widths[first] / 1000.0
+    mine = rows[rows["source"] == placed.sources.index(first)] if first in placed.sources else rows
+    w, h = (side / 1000.0 for side in _size(mine))
+    arcs = len(mine) > 0 and bool((mine["turn"] != 0).all())
+    if arcs and abs(w - h) < ROUND_MM and bool((mine["cx"] == mine["cx"][0]).all()):
+        shape = "disc" if width >= w - ROUND_MM else "ring"
+        seen, cut = f"a {shape} of {w + width:.3f} mm", f"its centre line of {w:.3f} mm"
+    else:
+        seen = f"a band {width:.3f} mm wide, {w + width:.3f} x {h + width:.3f} mm"
+        cut = f"its centre line, {w:.3f} x {h:.3f} mm"
+    one = "1 polyline has" if len(spans) == 1 else f"{len(spans)} polylines have"
+    of = "" if len(spans) == 1 else "of the first, "
+    text = f"{one} a width: {of}what is seen is {seen}, what is cut is {cut}{_handles(spans)}"
+    hint = "draw the edge as an outline if it is meant; set the width to 0 if the centre line is"
+    return warning("polyline-width", text, first, hint=hint, count=len(spans))
 
 
 def _counted(census: Census, words: str) -> str:
@@ -418,7 +479,11 @@ def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagn
         hint = "check --layer and --ignore-layer"
     elif placed.types_left_out:
         kinds = sorted({kind for kind, _ in placed.types_left_out})
-        why, hint = f"all geometry is of types left out ({', '.join(kinds)})", "check --ignore-type"
+        why = f"all geometry is of types left out ({', '.join(kinds)})"
+        hint = "check --type and --ignore-type"
+    elif placed.looks_left_out:
+        why = "all geometry is of line types or colours left out"
+        hint = "check --linetype, --ignore-linetype, --colour and --ignore-colour"
     elif placed.hidden:
         why, hint = "what it holds is hidden", "switch the layers on"
     elif paper:
@@ -431,9 +496,37 @@ def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagn
         why, hint = f"block {', '.join(blocks[:NAMED])} is inserted with a scale of 0", None
     else:
         why = "model space is empty"
+    if nowhere := _inserted_nowhere(doc):
+        why += f"; {nowhere}"
+        hint = hint or "insert it where it is to be cut, or explode it"
     return error(
         "empty-drawing", f"nothing to cut in the drawing: {why}", FileSpan(file), hint=hint
     )
+
+
+def _inserted_nowhere(doc: Any) -> str:
+    """Return which blocks hold geometry and are inserted nowhere, or nothing."""
+    inserted = {
+        str(entity.dxf.name).lower()
+        for block in doc.blocks
+        for entity in block
+        if entity.dxftype() == "INSERT" and entity.dxf.hasattr("name")
+    }
+    left = [
+        (str(block.name), len(block))
+        for block in doc.blocks
+        if not block.is_any_layout
+        and not is_annotation(str(block.name))
+        and str(block.name).lower() not in inserted
+        and any(entity.dxftype() in GEOMETRY for entity in block)
+    ]
+    if not left:
+        return ""
+    names = ", ".join(
+        f"{name} ({many} {'entity' if many == 1 else 'entities'})" for name, many in left[:NAMED]
+    )
+    more = f" and {len(left) - NAMED} more" if len(left) > NAMED else ""
+    return f"block {names}{more} {'is' if len(left) == 1 else 'are'} inserted nowhere"
 
 
 def _info(loaded: Loaded, placed: Placement, unit: units.Unit) -> SketchInfo:
@@ -444,6 +537,7 @@ def _info(loaded: Loaded, placed: Placement, unit: units.Unit) -> SketchInfo:
         placed.hidden,
         placed.left_out,
         placed.types_left_out,
+        placed.looks_left_out,
         placed.no_points,
     ):
         ignored += census

@@ -295,7 +295,7 @@ def _layers(source: _Source, first: int, end: int) -> list[Group]:
                     if _is_shown(group):
                         continue
                     raise Hopeless(group[0][2], "a hidden layer without a name (group 2)")
-                out.append([tag for tag in group if tag[0] in (0, 2, 70, 62, 6)])
+                out.append([tag for tag in group if tag[0] in (0, 2, 70, 62, 6, 420)])
     return out
 
 

@@ -12,7 +12,6 @@ counter-clockwise becomes clockwise. Any other tilt is refused.
 
 from __future__ import annotations
 
-import fnmatch
 import math
 from collections import Counter
 from collections.abc import Callable
@@ -23,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, CurveError, of_ellipse, of_spline
+from wedmcam.frontends.dxf.filters import Filters, Look, look_of
 from wedmcam.frontends.dxf.kinds import ANNOTATION, BOUNDED, MESH, UNREADABLE
 from wedmcam.frontends.dxf.turns import TELLING, Turn, turn_of
 from wedmcam.ir.sketch import SEGMENT
@@ -78,6 +78,7 @@ class Heap:
     Attributes:
         scale: um in a drawing unit.
         entities: (type, handle, layer) of each geometric entity.
+        looks: line type and colour of those that state one.
         invisible: which of them are.
         others: (type, layer) -> count of what is never cut.
         ignored: (type, layer) -> count of what is of a type left out.
@@ -89,11 +90,12 @@ class Heap:
             how large they are.
         heights: z of each entity that lies flat, um.
         dropped: entities without length that were dropped.
-        widths: polylines with a width.
+        widths: polylines with a width, and how wide they are at most, um.
     """
 
     scale: float
     entities: list[tuple[str, str, str]] = field(default_factory=list)
+    looks: dict[int, Look] = field(default_factory=dict)
     invisible: set[int] = field(default_factory=set)
     others: Counter[tuple[str, str]] = field(default_factory=Counter)
     ignored: Counter[tuple[str, str]] = field(default_factory=Counter)
@@ -104,7 +106,7 @@ class Heap:
     curves: list[tuple[int, Curve]] = field(default_factory=list)
     heights: dict[int, float] = field(default_factory=dict)
     dropped: list[int] = field(default_factory=list)
-    widths: list[int] = field(default_factory=list)
+    widths: dict[int, float] = field(default_factory=dict)
     lines: list[tuple[float, ...]] = field(default_factory=list)
     line_of: list[int] = field(default_factory=list)
     arcs: list[tuple[float, ...]] = field(default_factory=list)
@@ -123,7 +125,10 @@ class Heap:
         at = len(self.entities)
         self.entities.append((kind, str(entity.dxf.handle), layer))
         dxf = entity.dxf
-        if dxf.invisible if dxf.hasattr("invisible") else _stated(entity, 60, 0):
+        look = look_of(entity, stated)
+        if look is not None:
+            self.looks[at] = look
+        if dxf.invisible if dxf.hasattr("invisible") else stated(entity, 60, 0):
             self.invisible.add(at)
         return at
 
@@ -133,14 +138,14 @@ Converter = Callable[[Heap, int, Entity, Entity], None]
 
 
 def gather(
-    entities: Any, scale: float, ignore: tuple[str, ...] = (), annotation: bool = False
+    entities: Any, scale: float, filters: Filters | None = None, annotation: bool = False
 ) -> Heap:
     """Return the heap of a layout's or block's entities.
 
     Args:
         entities: the layout or block.
         scale: um to a drawing unit.
-        ignore: patterns of types to leave out, in lower case.
+        filters: what tells which types are left out; None for none.
         annotation: whether what cannot be read in it is no outline: the picture of a dimension.
     """
     heap = Heap(scale)
@@ -155,7 +160,7 @@ def gather(
             unread = kind == UNREADABLE
             kind = type_of(entity)
             to = unreadable if unread else convert(kind)
-        if ignore and is_ignored(kind, ignore):
+        if filters is not None and filters.leaves_out_type(kind, layer):
             heap.ignored[kind, layer] += 1
             continue
         if to is None or to is unreadable:
@@ -171,16 +176,16 @@ def gather(
 def layer_of(entity: Entity) -> str:
     """Return the layer of an entity, also of one of an unknown type."""
     if hasattr(entity, "xtags"):  # ezdxf keeps the tags of such a type, and no more
-        return str(_stated(entity, 8, "0"))
+        return str(stated(entity, 8, "0"))
     return str(entity.dxf.layer)
 
 
 def is_on_sheet(entity: Entity) -> bool:
     """Return whether an entity of an unknown type is in paper space; of others ezdxf knows it."""
-    return hasattr(entity, "xtags") and bool(_stated(entity, 67, 0))
+    return hasattr(entity, "xtags") and bool(stated(entity, 67, 0))
 
 
-def _stated(entity: Entity, code: int, default: object) -> object:
+def stated(entity: Entity, code: int, default: object) -> object:
     """Return the first value of a group code of an entity of an unknown type."""
     if not hasattr(entity, "xtags"):
         return default
@@ -201,11 +206,6 @@ def type_of(entity: Entity) -> str:
     if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
         return MESH
     return kind
-
-
-def is_ignored(kind: str, patterns: tuple[str, ...]) -> bool:
-    """Return whether a type is one of those left out; patterns in lower case."""
-    return any(fnmatch.fnmatchcase(kind.casefold(), p) for p in patterns)
 
 
 def converted(heap: Heap, entity: Entity, kind: str, layer: str, to: Converter) -> None:
@@ -310,10 +310,17 @@ def _lwpolyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     else:
         heap.heights[at] = 0.0
     rows = np.array(entity.lwpoints.values, float).reshape(-1, 5)  # x, y, two widths, bulge
-    if rows[:, 2:4].any() or (dxf.hasattr("const_width") and dxf.const_width):
-        heap.widths.append(at)
+    wide = np.abs(rows[:, 2:4]).max(initial=0.0)
+    if not wide and dxf.hasattr("const_width"):
+        wide = abs(dxf.const_width)
+    if wide:
+        heap.widths[at] = float(wide) * heap.scale
     heap.polylines.append(rows[:, (0, 1, 4)])
     heap.polyline_of.append((at, bool(entity.closed), flip))
+
+
+def _stated_width(dxf: Entity, name: str) -> float:
+    return abs(float(dxf.get(name))) if dxf.hasattr(name) else 0.0
 
 
 def _polyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
@@ -321,11 +328,8 @@ def _polyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     flip = _flip(heap, at, dxf) if flat else False
     if flip is None:
         return
-    rows, heights, wide = (
-        [],
-        [],
-        bool(dxf.hasattr("default_start_width") and dxf.default_start_width),
-    )
+    rows, heights = [], []
+    wide = max(_stated_width(dxf, "default_start_width"), _stated_width(dxf, "default_end_width"))
     for vertex in entity.vertices:
         v = vertex.dxf
         if v.flags & 16 and dxf.flags & 4:  # of a spline's frame: the curve's own points follow
@@ -333,9 +337,9 @@ def _polyline(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
         x, y, z = v.location
         rows.append((x, y, v.bulge if flat and v.hasattr("bulge") else 0.0))
         heights.append(z)
-        wide = wide or bool(v.hasattr("start_width") and v.start_width)
+        wide = max(wide, _stated_width(v, "start_width"), _stated_width(v, "end_width"))
     if wide:
-        heap.widths.append(at)
+        heap.widths[at] = wide * heap.scale
     if not flat and heights and (max(heights) - min(heights)) * heap.scale > LEVEL_UM:
         heap.problem("not-flat", at)
         return

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.frontends.dxf.curves import Spline, of_spline
+from wedmcam.frontends.dxf.filters import Filters
 from wedmcam.frontends.dxf.kinds import BOUNDED, MESH, UNREADABLE, is_annotation
 from wedmcam.frontends.dxf.place import Layers, Placement, Placer, finite
 from wedmcam.frontends.dxf.shapes import (
@@ -23,7 +24,6 @@ from wedmcam.frontends.dxf.shapes import (
     Heap,
     _flip,
     converted,
-    is_ignored,
     is_on_sheet,
     layer_of,
     segments_of,
@@ -47,7 +47,7 @@ def unread(
     scale: float,
     layers: Layers,
     file: str,
-    ignore: tuple[str, ...] = (),
+    filters: Filters,
     tolerance: float = 1.0,
 ) -> tuple[Unread, Placement]:
     """Return the boundaries of what a drawing shows and is not read, um, drawing coordinates.
@@ -57,7 +57,7 @@ def unread(
         scale: um in a drawing unit.
         layers: which are cut; what is on others does not count.
         file: name of the drawing.
-        ignore: patterns of types that are left out, in lower case.
+        filters: what is left out.
         tolerance: how far the arcs that ellipses and splines become may be from them, um.
 
     Returns:
@@ -66,18 +66,16 @@ def unread(
     """
 
     def heap_of(layout: Any, annotation: bool) -> Heap:
-        return gather(layout, scale, ignore, annotation)
+        return gather(layout, scale, filters, annotation)
 
-    placer = Placer(doc, scale, layers, file, heap_of, tolerance)
+    placer = Placer(doc, scale, layers, file, heap_of, filters, tolerance)
     placer.place(doc.modelspace())
     placed = placer.placed
     rows = finite(placer.rows(), placed)
     return Unread(rows, tuple(placed.sources), placed.curve_um or 0.0), placed
 
 
-def gather(
-    entities: Any, scale: float, ignore: tuple[str, ...] = (), annotation: bool = False
-) -> Heap:
+def gather(entities: Any, scale: float, filters: Filters, annotation: bool = False) -> Heap:
     """Return the boundaries of what is not read, and the INSERTs, of a layout or block.
 
     Each boundary path of a HATCH and each line of a closed MLINE is an entity of the heap by
@@ -86,7 +84,7 @@ def gather(
     Args:
         entities: the layout or block.
         scale: um to a drawing unit.
-        ignore: patterns of types that are left out, in lower case.
+        filters: what tells which types are left out.
         annotation: whether nothing in it is an outline: the picture of a dimension, an arrow head.
     """
     heap = Heap(scale)
@@ -95,10 +93,12 @@ def gather(
     for entity in entities:
         kind = type_of(entity)
         to = _CONVERTERS.get(kind)
-        if to is not None and not is_ignored(kind, ignore) and not is_on_sheet(entity):
-            if entity.dxftype() == UNREADABLE:
-                to = unreadable
-            converted(heap, entity, kind, layer_of(entity), to)
+        layer = layer_of(entity)
+        if to is None or is_on_sheet(entity) or filters.leaves_out_type(kind, layer):
+            continue
+        if entity.dxftype() == UNREADABLE:
+            to = unreadable
+        converted(heap, entity, kind, layer, to)
     heap.segments = segments_of(heap)
     return heap
 

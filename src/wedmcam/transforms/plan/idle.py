@@ -22,7 +22,12 @@ from wedmcam.transforms.plan.wording import Wording
 _OF_DRAWINGS = (
     ("layers", "--layer", "a part program has no layers"),
     ("ignore_layers", "--ignore-layer", "a part program has no layers"),
+    ("types", "--type", "a part program has no entities"),
     ("ignore_types", "--ignore-type", "a part program has no entities"),
+    ("linetypes", "--linetype", "a part program has no line types"),
+    ("ignore_linetypes", "--ignore-linetype", "a part program has no line types"),
+    ("colours", "--colour", "a part program has no colours"),
+    ("ignore_colours", "--ignore-colour", "a part program has no colours"),
     ("join_um", "--join", "chains whose ends meet within 1 um join"),
     ("tolerance_um", "--tolerance", "a part program has no splines"),
     ("side", "--side", "each cut names its side"),

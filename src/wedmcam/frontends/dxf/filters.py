@@ -1,0 +1,258 @@
+"""What of a drawing its user takes and leaves out: by layer, type of entity, line type and colour.
+
+A name is taken literally before it is a wildcard: CUT[1] is a layer, where there is one of that
+name. What is asked for and matches nothing is said: a misspelt name would cut what was to be left
+out. Line types and colours are those that are seen: BYLAYER is the layer's, BYBLOCK the INSERT's.
+"""
+
+from __future__ import annotations
+
+import difflib
+import fnmatch
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from wedmcam.diag import Diagnostic, FileSpan, warning
+from wedmcam.frontends.dxf.kinds import UNREADABLE
+from wedmcam.ir.colours import colour_of, of_rgb, shown
+
+#: Line types that say nothing of their own.
+PLAIN = ("", "bylayer", "byblock", "continuous")
+#: The layer of thread points: a filter that takes only something does not take them away.
+START = "start"
+#: Characters of wildcards.
+WILD = frozenset("*?[")
+#: How many names a finding tells.
+NAMED = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How an entity is drawn: line type ("" for a plain one), and colour as in `ir.colours`.
+
+    As stated: "BYBLOCK" and "0" are those of the INSERT, None those of the layer.
+    """
+
+    linetype: str | None = None
+    colour: str | None = None
+
+
+#: Of an INSERT in the layout itself.
+TOP = Look("", "7")
+
+
+def look_of(entity: Any, stated: Any) -> Look | None:
+    """Return how an entity says that it is drawn; None where it leaves all to its layer.
+
+    ``stated``: what finds a group of an entity of an unknown type.
+    """
+    dxf = entity.dxf
+    if hasattr(entity, "xtags"):
+        linetype, index, rgb = (stated(entity, code, None) for code in (6, 62, 420))
+    else:
+        there = dxf.hasattr
+        linetype = dxf.linetype if there("linetype") else None
+        index = dxf.color if there("color") else None
+        rgb = dxf.true_color if there("true_color") else None
+    if linetype is None and index is None and rgb is None:
+        return None
+    colour = None
+    if rgb is not None:
+        colour = of_rgb(int(rgb))
+    elif index is not None and int(index) != 256:
+        colour = str(abs(int(index)))
+    line = None if linetype is None or str(linetype).lower() == "bylayer" else str(linetype)
+    return Look(line, colour)
+
+
+class LayerLooks:
+    """How layers are drawn, for what leaves it to them."""
+
+    def __init__(self, table: Any) -> None:
+        self._looks: dict[str, Look] = {}
+        for layer in table:
+            dxf = layer.dxf
+            rgb = dxf.get("true_color")
+            colour = str(abs(dxf.get("color", 7))) if rgb is None else of_rgb(int(rgb))
+            linetype = str(dxf.get("linetype", ""))
+            self._looks[str(dxf.get("name", "")).casefold()] = Look(_plain(linetype), colour)
+
+    def seen(self, look: Look | None, layer: str, insert: Look) -> Look:
+        """Return what is seen of an entity on a layer, in a block that an INSERT shows."""
+        own = self._looks.get(layer.casefold(), TOP)
+        if look is None:
+            return own
+        linetype, colour = look.linetype, look.colour
+        if linetype is None:
+            linetype = own.linetype
+        elif linetype.lower() == "byblock":
+            linetype = insert.linetype
+        if colour is None:
+            colour = own.colour
+        elif colour == "0":
+            colour = insert.colour
+        return Look(_plain(linetype or ""), colour)
+
+
+def _plain(linetype: str) -> str:
+    return "" if linetype.lower() in PLAIN else linetype
+
+
+class Names:
+    """Names that were asked for: each is a name that there is, or else a wildcard.
+
+    Attributes:
+        unmatched: those that match nothing there is.
+    """
+
+    def __init__(self, asked: Iterable[str], there: Iterable[str]) -> None:
+        known = {name.casefold() for name in there}
+        self._literal: set[str] = set()
+        self._wild: list[str] = []
+        self.unmatched: list[str] = []
+        for name in asked:
+            word = name.casefold()
+            self._literal.add(word)
+            if word in known:
+                continue
+            if WILD & set(word):
+                self._wild.append(word)
+                if any(fnmatch.fnmatchcase(other, word) for other in known):
+                    continue
+            self.unmatched.append(name)
+
+    def __bool__(self) -> bool:
+        return bool(self._literal)
+
+    def __contains__(self, name: str) -> bool:
+        word = name.casefold()
+        return word in self._literal or any(fnmatch.fnmatchcase(word, p) for p in self._wild)
+
+
+@dataclass(frozen=True, slots=True)
+class Both:
+    """What is taken (nothing named: all), and what is left out, which wins."""
+
+    take: Names
+    ignore: Names
+
+    def __bool__(self) -> bool:
+        return bool(self.take) or bool(self.ignore)
+
+    def leaves_out(self, name: str, start: bool) -> bool:
+        """Return whether what is of that name is left out; ``start``: it is on layer START."""
+        if name in self.ignore:
+            return True
+        return bool(self.take) and not start and name not in self.take
+
+
+@dataclass(frozen=True, slots=True)
+class Filters:
+    """All filters of a drawing."""
+
+    layers: Both
+    types: Both
+    linetypes: Both
+    colours: Both
+
+    @property
+    def by_look(self) -> bool:
+        """Whether line types or colours decide anything."""
+        return bool(self.linetypes) or bool(self.colours)
+
+    def leaves_out_type(self, kind: str, layer: str) -> bool:
+        """Return whether entities of a type are left out; an INSERT shows what its block holds."""
+        start = layer.casefold() == START or kind == "INSERT"
+        return bool(self.types) and self.types.leaves_out(kind, start)
+
+    def leaves_out_look(self, look: Look, layer: str) -> bool:
+        """Return whether what looks so is left out."""
+        start = layer.casefold() == START
+        return self.linetypes.leaves_out(look.linetype or "CONTINUOUS", start) or (
+            self.colours.leaves_out(look.colour or "7", start)
+        )
+
+
+#: Filters: field of the options, option, what it names.
+OPTIONS = (
+    ("layers", "--layer", "layer"),
+    ("ignore_layers", "--ignore-layer", "layer"),
+    ("types", "--type", "type of entity"),
+    ("ignore_types", "--ignore-type", "type of entity"),
+    ("linetypes", "--linetype", "line type"),
+    ("ignore_linetypes", "--ignore-linetype", "line type"),
+    ("colours", "--colour", "colour"),
+    ("ignore_colours", "--ignore-colour", "colour"),
+)
+
+
+def filters_of(doc: Any, options: Any, file: str, type_of: Any) -> tuple[Filters, list[Diagnostic]]:
+    """Return the filters of a drawing, and warnings about names that match nothing in it.
+
+    Args:
+        doc: the document.
+        options: of the reader; ``wished`` names the filters that are of this drawing alone.
+        file: its name.
+        type_of: what tells the type of an entity.
+    """
+    asked = {name: tuple(getattr(options, name)) for name, _, _ in OPTIONS}
+    for name in ("colours", "ignore_colours"):
+        asked[name] = tuple(colour_of(text) for text in asked[name])
+    there = _there(doc, type_of) if any(asked.values()) else {}
+    names = {name: Names(asked[name], there.get(what, ())) for name, _, what in OPTIONS}
+    found = []
+    for name, option, what in OPTIONS:
+        if options.wished is not None and name not in options.wished:
+            continue
+        for word in names[name].unmatched:
+            told = shown(word) if what == "colour" else word
+            found.append(
+                warning(
+                    "filter-unmatched",
+                    f"{option} {told}: nothing in the drawing has that {what}",
+                    FileSpan(file),
+                    hint=_near(word, sorted(there[what]), what),
+                )
+            )
+    both = [
+        Both(names[k], names[f"ignore_{k}"]) for k in ("layers", "types", "linetypes", "colours")
+    ]
+    return Filters(*both), found
+
+
+def _near(word: str, there: list[str], what: str) -> str:
+    if what == "colour":
+        return f"there is {_listed([shown(colour) for colour in there])}"
+    folded = {name.casefold(): name for name in there}
+    near = difflib.get_close_matches(word.casefold(), folded, 1, 0.6)
+    if near:
+        return f"did you mean {folded[near[0]]}?"
+    return f"there is {_listed(there)}"
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return (", ".join(names[:NAMED]) or "none") + more
+
+
+def _there(doc: Any, type_of: Any) -> dict[str, set[str]]:
+    """Return the names of layers, types, line types and colours that a drawing has."""
+    from wedmcam.frontends.dxf.shapes import layer_of, stated
+
+    looks = LayerLooks(doc.layers)
+    layers = {str(layer.dxf.get("name", "")) for layer in doc.layers}
+    kinds: set[str] = set()
+    linetypes = {str(line.dxf.get("name", "")) for line in doc.linetypes}
+    colours: set[str] = set()
+    for block in doc.blocks:
+        for entity in block:
+            layer = layer_of(entity)
+            layers.add(layer)
+            kinds.add(type_of(entity))
+            look = looks.seen(look_of(entity, stated), layer, TOP)
+            linetypes.add(look.linetype or "CONTINUOUS")
+            colours.add(look.colour or "7")
+    linetypes = {name for name in linetypes if name.lower() not in ("bylayer", "byblock", "")}
+    kinds.discard(UNREADABLE)
+    return {"layer": layers, "type of entity": kinds, "line type": linetypes, "colour": colours}

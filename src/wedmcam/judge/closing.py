@@ -72,10 +72,13 @@ class Change(NamedTuple):
         return f"{value} instead of {self.now} at block {self.row + 1}"
 
     @property
-    def rank(self) -> tuple[int, int, int]:
-        """Fewest characters first: a slip of the finger changes, adds or drops one."""
+    def rank(self) -> tuple[int, bool, int, int]:
+        """Fewest characters first: a slip of the finger changes, adds or drops one.
+
+        Then J and G before X and Y, of which many do as well.
+        """
         by = abs(int(self.then) - int(self.now)) if self.field in ("X", "Y", "J") else 0
-        return _slips(self.now, self.then), by, self.row
+        return _slips(self.now, self.then), self.field in ("X", "Y"), by, self.row
 
 
 def _slips(a: str, b: str) -> int:

@@ -70,9 +70,10 @@ class Rounding:
         at = np.array([w[min(max(int(k), 0), len(w) - 1)] for w, k in zip(ways, n, strict=True)])
         return at[:, 0], at[:, 1]
 
-    def places(self, blocks, moves, x, y):
+    def places(self, blocks, moves, x, y, window=None):
         ways = [self._way(b) + np.array([sx, sy]) for b, sx, sy in zip(blocks, x, y, strict=True)]
         every = np.concatenate([np.zeros((0, 2)), *ways])
+        every = every[slice(*window)] if window else every
         return every[:, 0], every[:, 1]
 
     def trace(self, blocks):

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from wedmcam.controllers import stepping_of
 from wedmcam.controllers.pointwise import (
     LineTable,
     arc_end,
@@ -416,3 +417,23 @@ def test_deviation_of_whole_circles_to_a_metre():
         r2 = float(x * x + y * y)
         want = [float(v) / (math.sqrt(r2 + float(v)) + math.sqrt(r2)) for v in (f.min(), f.max())]
         assert [float(d[0]) for d in deviation(b)] == want
+
+
+@given(st.lists(st.sampled_from(range(8)), min_size=1, max_size=4), st.data())
+def test_a_part_of_the_places_is_that_part(which, data):
+    choice = np.zeros(8, BLOCK)
+    choice["x"] = [40, -7, 0, 30, -20, 9, 9, 100]
+    choice["y"] = [3, 12, -25, 0, 15, -40, 9, -1]
+    choice["turn"] = [0, 0, 0, 1, -1, 1, 0, 0]
+    choice["kind"] = np.where(choice["turn"] != 0, Kind.ARC, Kind.LINE)
+    choice["axis"] = [Axis.X, Axis.Y, Axis.Y, Axis.X, Axis.Y, Axis.X, Axis.X, Axis.X]
+    choice["count"] = [40, 12, 25, 70, 33, 90, 9, 100]
+    stepping = stepping_of("3b", "mirror")
+    blocks = choice[which]
+    moves = stepping.run(blocks)
+    x, y = np.cumsum(moves.dx) - moves.dx + 5.0, np.cumsum(moves.dy) - moves.dy - 3.0
+    every = np.array(stepping.places(blocks, moves, x, y))
+    first = data.draw(st.integers(0, every.shape[1]))
+    last = data.draw(st.integers(first, every.shape[1]))
+    part = np.array(stepping.places(blocks, moves, x, y, (first, last)))
+    assert np.array_equal(part, every[:, first:last])

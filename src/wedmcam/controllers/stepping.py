@@ -103,7 +103,14 @@ class Stepping(Protocol):
         """Return (dx, dy): where each block stands after ``n`` of its steps, from its start."""
         ...
 
-    def places(self, blocks: Blocks, moves: Motion, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    def places(
+        self,
+        blocks: Blocks,
+        moves: Motion,
+        x: Floats,
+        y: Floats,
+        window: tuple[int, int] | None = None,
+    ) -> tuple[Floats, Floats]:
         """Return where the machine stands after every step of blocks that start at (x, y).
 
         Args:
@@ -111,6 +118,8 @@ class Stepping(Protocol):
             moves: of ``run``, for these blocks.
             x: where each block starts.
             y: likewise.
+            window: only places from the first of these numbers up to before the second; None for
+                all.
         """
         ...
 

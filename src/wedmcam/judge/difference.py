@@ -21,7 +21,7 @@ from wedmcam.judge.segments import Bools, Floats, Ints
 from wedmcam.judge.walk import Walk, walk
 
 #: Places compared at a time.
-CHUNK = 1 << 14
+CHUNK = 1 << 16
 
 #: Blocks that agree, in a row, so that it pays to leave them out.
 FEW = 8
@@ -80,11 +80,11 @@ class _Stretch(NamedTuple):
         k1 = int(np.searchsorted(self.first, high - 1, "left"))
         k1 = max(k1, k0 + 1)
         rows = self.rows[k0:k1]
-        x, y, _ = self.way.points(rows)
-        start = self.way.start[rows[0]]
-        base = int(self.first[k0])
-        x = np.concatenate([[start[0]], x])[low - base : high - base]
-        y = np.concatenate([[start[1]], y])[low - base : high - base]
+        first, last = (n - int(self.first[k0]) - 1 for n in (low, high))
+        x, y = self.way.places(rows, max(first, 0), last)
+        if first < 0:
+            start = self.way.start[rows[0]]
+            x, y = np.concatenate([[start[0]], x]), np.concatenate([[start[1]], y])
         places = np.stack([x, y])
         return places if self.step_um == 1 else places * self.step_um
 

@@ -65,6 +65,16 @@ class Walk(NamedTuple):
             out[rows] = radius * angle
         return np.asarray(out)
 
+    def places(self, index: Ints, first: int, last: int) -> tuple[Floats, Floats]:
+        """Return (x, y) after the steps first to last - 1, from 0, of the blocks ``index``.
+
+        Always stepped places. What is not asked for of a long block costs nothing.
+        """
+        start, moved = self.start[index], self.end[index] - self.start[index]
+        moves = Motion(moved[:, 0], moved[:, 1], self.steps[index])
+        x, y = start[:, 0].astype(float), start[:, 1].astype(float)
+        return self.stepping.places(self.blocks[index], moves, x, y, (first, last))
+
     def points(self, index: Ints) -> tuple[Floats, Floats, Ints]:
         """Return (x, y) of every place after a step of the blocks ``index``, and counts a block.
 

@@ -384,7 +384,8 @@ def _overlaps(
     x: Floats,
     y: Floats,
     along: Floats,
-    least: str = "",
+    *,
+    least: str,
 ) -> list[Diagnostic]:
     """Return one error for each pair of segments on top of each other."""
     found = []

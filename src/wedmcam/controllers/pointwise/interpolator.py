@@ -51,9 +51,16 @@ class Pointwise:
         """See `closed.position`."""
         return closed.position(blocks, n, self.table)
 
-    def places(self, blocks: Blocks, moves: Motion, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    def places(
+        self,
+        blocks: Blocks,
+        moves: Motion,
+        x: Floats,
+        y: Floats,
+        window: tuple[int, int] | None = None,
+    ) -> tuple[Floats, Floats]:
         """See `path.places`."""
-        return path.places(blocks, moves, x, y, self.table)
+        return path.places(blocks, moves, x, y, self.table, window)
 
     def trace(self, blocks: Blocks) -> tuple[Ints, Ints]:
         """See `path.trace`."""

@@ -241,8 +241,24 @@ def _runs_of(blocks: NDArray[np.void], moves: Motion, table: LineTable) -> _Runs
     return runs
 
 
+def _within(runs: _Runs, first: int, last: int) -> _Runs:
+    """Return the part of runs, one after the other, that makes the steps first to last - 1."""
+    ends = np.cumsum(runs.length)
+    begins = ends - runs.length
+    cut = np.clip(first - begins, 0, runs.length)
+    length = np.clip(last - begins, 0, runs.length) - cut
+    # Behind m steps of a run i - shift is what it was with shift - m, and i - T misses m.
+    part = runs._replace(length=length, shift=runs.shift - cut, y0=runs.y0 + runs.sy * cut)
+    return part.take(np.flatnonzero(length > 0))
+
+
 def places(
-    blocks: NDArray[np.void], moves: Motion, x: Floats, y: Floats, table: LineTable
+    blocks: NDArray[np.void],
+    moves: Motion,
+    x: Floats,
+    y: Floats,
+    table: LineTable,
+    window: tuple[int, int] | None = None,
 ) -> tuple[Floats, Floats]:
     """Return where the machine stands after every step of blocks that stand anywhere, float64.
 
@@ -252,6 +268,8 @@ def places(
         x: where each block starts, um.
         y: likewise.
         table: of the lines.
+        window: only the places from the first of these numbers up to before the second, counted
+            from 0; None for all. What lies outside costs nothing.
 
     Returns:
         x and y after each step, one block after the other; whole um.
@@ -259,6 +277,8 @@ def places(
     runs = _runs_of(blocks, moves, table)
     runs.x0[:] += x[runs.block]
     runs.y0[:] += y[runs.block]
+    if window is not None:
+        runs = _within(runs, *window)
     total = int(runs.length.sum())
     out_x, out_y = np.empty(total), np.empty(total)
     _fill(runs, out_x, out_y)

@@ -149,3 +149,16 @@ def test_copies_of_a_transform_are_nested_as_they_are_cut():
         rect(space, 10, 10, 20, 20)
 
     assert doubts(draw, transforms=("translate (0, 100) copies 2",)) == []
+
+
+def test_many_frames_are_counted():
+    def draw(doc, space):
+        for x in range(0, 26 * 50, 50):
+            rect(space, x, 0, x + 40, 40)
+            rect(space, x + 5, 5, x + 35, 35)
+            rect(space, x + 10, 10, x + 20, 20)
+
+    made = wedmcam.compile(drawing(draw), name="f.dxf", offset=0.1)
+    found = [d for d in made.findings if d.code == "drawing-frame"]
+    assert len(found) == 11
+    assert found[-1].message == "16 further rectangles like these"

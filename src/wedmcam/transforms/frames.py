@@ -29,6 +29,8 @@ CORNER = 0.1
 TEXTS_IN_CORNER, TEXTS = 1, 3
 #: So many layers are named.
 NAMED = 4
+#: So many frames are listed.
+FRAMES = 10
 #: So many places are marked.
 MARKED = 12
 
@@ -61,6 +63,9 @@ def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
         if parts or titles:
             frames.add(k)
             found.append(_frame(nesting, k, boxes, parts, titles))
+    if len(found) > FRAMES:
+        more = f"{len(found) - FRAMES} further rectangles like these"
+        found[FRAMES:] = [warning("drawing-frame", more, count=len(found) - FRAMES)]
     deep = [
         k
         for k, depth in enumerate(nesting.depths)

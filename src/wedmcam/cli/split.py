@@ -9,6 +9,7 @@ import click
 
 from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
+from wedmcam.cli.pictures import picture, write_refused
 from wedmcam.cli.progress import waiting
 from wedmcam.machines import Machine
 
@@ -29,7 +30,6 @@ def compile_split(
     """
     from wedmcam import api
     from wedmcam.cli import say
-    from wedmcam.cli.main import _picture
     from wedmcam.loads import compile_loads, moves, numbered
 
     ask.check_source(input_, asked["from_"])
@@ -43,7 +43,9 @@ def compile_split(
     for k, made in enumerate(loads, 1):
         say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
         if not made.ok:
-            click.echo("nothing was written", err=True)
+            if plot is not None:
+                write_refused(made, Path(name).name, plot, name)
+            click.echo("no program was written", err=True)
             if asked["json_"]:
                 say.say_json(made.summary)
             return int(made.status)
@@ -56,8 +58,8 @@ def compile_split(
         if certificate is not None:
             files.append((place(certificate), say.certificate_bytes(made.summary)))
         if plot is not None:
-            picture = _picture(made, Path(place(output)).name, plot)
-            files.append((place(plot), picture))
+            drawn = picture(made, Path(place(output)).name, plot)
+            files.append((place(plot), drawn))
         if map_ is not None:
             files.append((place(map_), say.map_bytes(api.source_map(made))))
     check_outputs([input_], [file for file, _ in files])

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from wedmcam import __version__, machines
 from wedmcam.compiler import pipeline, proof, sources
 from wedmcam.compiler.portion import portion
-from wedmcam.compiler.sources import Drawn
-from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.compiler.sources import Drawn, Seen, SeenWithoutUnits
+from wedmcam.diag import Diagnostic, EntityRef, Severity, has_errors
 from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
@@ -51,6 +51,7 @@ class Compilation:
         lowered: the program as it was encoded: with roles and with what each block was drawn by.
         entries: what the operator enters beside the program.
         understood: what is cut and how, a row a contour; None where no plan was made.
+        seen: what was read, also where it was refused; for a picture.
     """
 
     ok: bool
@@ -67,6 +68,7 @@ class Compilation:
     lowered: Program | None = None
     entries: Entries | None = None
     understood: Understanding | None = None
+    seen: Seen | SeenWithoutUnits | None = None
 
     @property
     def status(self) -> int:
@@ -189,6 +191,7 @@ def compile_plan(
         made.get("lower"),
         entries,
         known,
+        made.get("seen"),
     )
 
 
@@ -904,11 +907,13 @@ class Inspection:
         drawn: segments, contours, nesting; None where the drawing was refused.
         facts: plain data for a table or for JSON.
         findings: everything that was found.
+        seen: what was read, also where it was refused; for a picture.
     """
 
     drawn: Drawn | None
     facts: dict[str, Any]
     findings: tuple[Diagnostic, ...] = field(default=())
+    seen: Seen | SeenWithoutUnits | None = None
 
     @property
     def status(self) -> int:
@@ -929,36 +934,38 @@ def inspect(
     try:
         drawn = sources.read(data, name, options, run)
     except Refused:
-        return Inspection(None, {"input": name}, tuple(run.found))
+        seen = run.values.get("seen")
+        return Inspection(None, {"input": name}, tuple(run.found), seen)
     facts, more = facts_of(name, drawn, options)
     run.found += (*drawn.doubts, *more)
     return Inspection(drawn, facts, tuple(run.found))
 
 
 def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
-    """Return an SVG picture: of the verified program where there is one, else of the contours."""
+    """Return an SVG picture: of the verified program where there is one, else of what was read.
+
+    A drawing that is refused is drawn with the places of its findings numbered.
+
+    Raises:
+        WrongUse: nothing was read that could be drawn.
+    """
     from wedmcam.backends.svg import plot as plot_program
     from wedmcam.backends.svg import plot_contours
 
     marks = [d for d in made.findings if d.points_mm and d.severity is not Severity.NOTE]
-    if isinstance(made, Inspection):
-        if made.drawn is None:
-            raise WrongUse("there is nothing to draw")
+    if isinstance(made, Inspection) or made.program is None:
+        drawn = None if isinstance(made, Proof) else made.drawn
+        if drawn is None or has_errors(made.findings):
+            refused = None if isinstance(made, Proof) else _refused_picture(made, title)
+            if refused is None:
+                raise WrongUse("nothing that could be drawn was read")
+            return refused
         return plot_contours(
-            made.drawn.contours,
-            thread_points=made.drawn.sketch.thread_points,
+            drawn.contours,
+            thread_points=drawn.sketch.thread_points,
             title=title,
             marks=marks,
         )
-    if made.program is None:
-        if isinstance(made, Compilation) and made.drawn is not None:
-            return plot_contours(
-                made.drawn.contours,
-                thread_points=made.drawn.sketch.thread_points,
-                title=title,
-                marks=marks,
-            )
-        raise WrongUse("there is nothing to draw")
     starts, ends = positions(made.program, made.machine)
     return plot_program(
         _with_cuts(made.program, made.verdict),
@@ -970,6 +977,43 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
         facts=_plot_facts(made),
         marks=marks,
     )
+
+
+def _refused_picture(made: Compilation | Inspection, title: str) -> str | None:
+    """Return a picture of what was read of a source that is refused; None where nothing was."""
+    from wedmcam.backends.svg_refused import plot_refused
+    from wedmcam.compiler.sources import rows_of
+
+    seen = None if made.seen is None else made.seen.whole()
+    if seen is None and made.drawn is not None and len(made.drawn.contours):
+        seen = Seen(rows_of(made.drawn.contours), made.drawn.sketch)
+    if seen is None:
+        return None
+    marks = [d for d in made.findings if d.severity is not Severity.NOTE]
+    facts = {"units": seen.units} if seen.units else {}
+    return plot_refused(
+        seen.rows,
+        [_placed(d, seen) for d in marks],
+        unread=seen.sketch.unread.segments if seen.rows is seen.sketch.segments else None,
+        thread_points=seen.sketch.thread_points,
+        title=title,
+        facts={"refused": "no program", **facts},
+    )
+
+
+def _placed(found: Diagnostic, seen: Seen) -> Diagnostic:
+    """Return a finding with the place of the entity that it is about, where it has none."""
+    if found.points_mm or not isinstance(found.span, EntityRef):
+        return found
+    sources = seen.sketch.sources
+    at = sources.index(found.span) if found.span in sources else -1
+    rows = seen.rows[seen.rows["source"] == at] if at >= 0 else seen.rows[:0]
+    if not len(rows):
+        return found
+    row = rows[0]
+    ring = row["turn"] != 0 and row["x0"] == row["x1"] and row["y0"] == row["y1"]
+    x, y = ((row[f"{c}0"] + (0 if ring else row[f"{c}1"])) / (1000 if ring else 2000) for c in "xy")
+    return replace(found, points_mm=((float(x), float(y)),))
 
 
 def _with_cuts(program: Program, verdict: Verdict | None) -> Program:

@@ -216,6 +216,7 @@ def test_damaged_objects_stop_nothing(objects):
     text = modern(FRAME).decode()
     for data in (
         text.replace("  0\nEOF\n", section + "  0\nEOF\n"),
+        text.replace("  0\nEOF\n", section + "  0\nEOF\n\x1a"),
         text.replace("  0\nSECTION\n  2\nENTITIES", section + "  0\nSECTION\n  2\nENTITIES"),
     ):
         sketch, found = got(data.encode())

@@ -219,11 +219,13 @@ def test_options_on_the_command_line_and_in_the_settings(tmp_path):
     name = str(tmp_path / "p.dxf")
     for options in (["--ignore-colour", "red"], ["--ignore-color", "1"], ["--type", "LWPOLYLINE"]):
         for command in (["check", "--offset", "0.1"], ["inspect"]):
-            result = CliRunner().invoke(cli, [command[0], name, *command[1:], *options, "--json"])
-            assert result.exit_code == 0, result.output
+            result = CliRunner().invoke(
+                cli, [command[0], name, *command[1:], *options, "--json"], standalone_mode=False
+            )
+            assert result.return_value == 0, result.output
             assert '"contours": 1' in result.output or '"closed": 1' in result.output
     (tmp_path / "wedmcam.toml").write_text('ignore-colour = ["red", "blue"]\noffset = 0.1\n')
-    result = CliRunner().invoke(cli, ["check", name])
-    assert result.exit_code == 0
+    result = CliRunner().invoke(cli, ["check", name], standalone_mode=False)
+    assert result.return_value == 0
     assert "contours   1 cut" in result.output
     assert "filter-unmatched" not in result.output

@@ -22,6 +22,7 @@ from wedmcam.cli.files import (
     write_outputs,
 )
 from wedmcam.cli.lengths import POINT, length
+from wedmcam.cli.pictures import check_picture, picture, say_nothing_written, write_refused
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import Configured, ReadsPrograms, also_read, machine_for, typed
@@ -100,9 +101,8 @@ def compile_command(
         if split:
             raise click.UsageError("--split takes one format: formats part at other places")
         if plot_ is not None:
-            _check_picture(plot_)
-        picture = None if plot_ is None else (plot_, _picture)
-        return compile_several(input_, output, to, certificate, map_, picture, **asked)
+            check_picture(plot_)
+        return compile_several(input_, output, to, certificate, map_, plot_, **asked)
     feed = ask.feed_of(asked)
     machine = ask.machine_of(asked["profile"], None) if asked["profile"] else None
     drawn = to == "dxf" or (to is None and Path(output).suffix.lower() == ".dxf")
@@ -116,7 +116,7 @@ def compile_command(
     if output == "-" and asked["json_"]:
         raise click.UsageError("--json and the program cannot both be standard output")
     if plot_ is not None:
-        _check_picture(plot_)
+        check_picture(plot_)
     if split:
         if drawn or output == "-":
             raise click.UsageError("--split writes several programs: give -o NAME of a program")
@@ -127,10 +127,10 @@ def compile_command(
         return compile_split(input_, machine, output, certificate, plot_, map_, feed, asked)
     made, apart = _compiled(input_, machine, output, asked)
     if not made.ok:
-        if Path(output).exists() and output != "-":
-            tell(f"nothing was written; {output} is as it was", err=True)
-        else:
-            tell("nothing was written", err=True)
+        drawn = plot_ is not None and write_refused(
+            made, Path(_name(input_)).name, plot_, _name(input_)
+        )
+        say_nothing_written(output, drawn)
         return int(made.status)
     assert made.data is not None
     from wedmcam.targets import target_of
@@ -144,7 +144,7 @@ def compile_command(
     if certificate is not None:
         files.append((certificate, say.certificate_bytes(made.summary)))
     if plot_ is not None:
-        files.append((plot_, _picture(made, Path(output).name, plot_)))
+        files.append((plot_, picture(made, Path(output).name, plot_)))
     if map_ is not None:
         files.append((map_, say.map_bytes(api.source_map(made))))
     if sheet is not None:
@@ -168,14 +168,26 @@ def compile_command(
 @click.option(
     "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation, iso or 4b."
 )
+@click.option(
+    "--plot", "plot_", metavar="FILE.svg|png|html", help="Draw the verified program there."
+)
 @ask.compile_options
 @ask.said_options
-def check_command(input_: str, to: str | None, **asked: Any) -> int:
-    """Everything but writing."""
+def check_command(input_: str, to: str | None, plot_: str | None, **asked: Any) -> int:
+    """Everything but writing a program."""
     from wedmcam.cli import say
 
     machine = ask.machine_of(asked["profile"], to)
+    if plot_ is not None:
+        check_outputs([input_, *also_read(click.get_current_context())], [plot_])
+        check_picture(plot_)
     made, apart = _compiled(input_, machine, "", asked)
+    if plot_ is not None:
+        title = Path(_name(input_)).name
+        if made.ok:
+            write_outputs([(plot_, picture(made, title, plot_))])
+        else:
+            write_refused(made, title, plot_, _name(input_))
     if made.ok and not asked["quiet"]:
         say.say_report(made, "(not written)", asked["verbose"])
         say.say_arithmetic(apart)
@@ -312,7 +324,7 @@ def verify_command(
     context = click.get_current_context()
     check_outputs([program, *([against] if against else []), *also_read(context)], outputs)
     if plot_ is not None:
-        _check_picture(plot_)
+        check_picture(plot_)
     if against is None:
         names = {*ask.DRAWING_NAMES, *ask.PATH_NAMES} - {"offset_um", "wire_um", "gap_um", "side"}
         ask.warn_of_idle(names, "there is no --against DRAWING")
@@ -343,8 +355,10 @@ def verify_command(
     if certificate is not None and issued is None and proof.ok:
         files.append((certificate, say.certificate_bytes(proof.summary)))
     if plot_ is not None and proof.program is not None:
-        files.append((plot_, _picture(proof, Path(program).name, plot_)))
+        files.append((plot_, picture(proof, Path(program).name, plot_)))
     write_outputs(files)
+    if plot_ is not None and proof.program is None:
+        write_refused(proof, Path(program).name, plot_, _name(program))
     if asked["json_"]:
         say.say_json(say.with_time(proof.summary, feed))
     elif not asked["quiet"]:
@@ -580,7 +594,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
 
     check_outputs([input_, *also_read(click.get_current_context())], [output])
     if Path(output).suffix.lower() != ".dxf":
-        _check_picture(output)
+        check_picture(output)
     data = read_input(input_)
     name = _name(input_)
     made: Any
@@ -607,10 +621,11 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
             made = api.compile(data, profile=machine, name=name, options=options)
     texts: dict[str, str | bytes] = {} if is_program else {name: data, **options.texts}
     say.say_findings(made.findings, name, asked["quiet"], texts)
-    if getattr(made, "program", None) is None and getattr(made, "drawn", None) is None:
-        return int(made.status)
     if Path(output).suffix.lower() != ".dxf":
-        write_outputs([(output, _picture(made, Path(name).name, output))])
+        if made.status:
+            write_refused(made, Path(name).name, output, name)
+            return int(made.status)
+        write_outputs([(output, picture(made, Path(name).name, output))])
     elif getattr(made, "program", None) is not None and made.status == 0:
         write_outputs([(output, api.path_drawing(made.program, made.machine))])
     else:
@@ -624,28 +639,6 @@ def _is_program(data: bytes) -> bool:
 
     seen = identify(data)
     return seen.format in PROGRAM_FORMATS
-
-
-PICTURES = (".svg", ".png", ".html")
-
-
-def _check_picture(name: str) -> None:
-    if name != "-" and Path(name).suffix.lower() not in PICTURES:
-        raise click.UsageError(f"{name}: a picture ends in {', '.join(PICTURES)}")
-
-
-def _picture(made: Any, title: str, name: str) -> bytes:
-    """Return the picture as the bytes of the format that its name tells."""
-    from wedmcam import api
-
-    if Path(name).suffix.lower() == ".html":
-        return api.plot_html(made, title).encode("utf-8")
-    svg = api.plot(made, title)
-    if Path(name).suffix.lower() != ".png":
-        return svg.encode("utf-8")
-    import resvg_py
-
-    return bytes(resvg_py.svg_to_bytes(svg_string=svg, zoom=2))
 
 
 @cli.command("identify", short_help="Which format a file is in.")

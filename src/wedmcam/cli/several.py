@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import click
 
 from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
+from wedmcam.cli.pictures import picture, write_refused
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.tell import tell
 
@@ -20,13 +20,13 @@ def compile_several(
     to: str,
     certificate: str | None,
     map_: str | None,
-    picture: tuple[str, Callable[[Any, str, str], bytes]] | None,
+    plot: str | None,
     **asked: Any,
 ) -> int:
     """Compile for each format of ``to``; names are ``output`` with the ending of each.
 
-    Certificates and maps are one a program: ``FILE.json`` becomes ``FILE.3b.json``. The
-    picture (name, and what draws it) is of the first.
+    Certificates and maps are one a program: ``FILE.json`` becomes ``FILE.3b.json``. The picture
+    ``plot`` is of the first.
     """
     from wedmcam import api, several
     from wedmcam.cli import say
@@ -47,7 +47,7 @@ def compile_several(
         [
             *names,
             *(n for some in beside.values() for n in some if n is not None),
-            *([picture[0]] if picture else []),
+            *([plot] if plot else []),
         ],
     )
     ask.check_source(input_, asked["from_"])
@@ -60,7 +60,10 @@ def compile_several(
         )
     say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
     if not made.ok:
-        tell("nothing was written", err=True)
+        if plot is not None:
+            refused = next((one for one in made.made if not one.ok), made.made[0])
+            write_refused(refused, Path(name).name, plot, name)
+        tell("no program was written", err=True)
         return made.status
     files: list[tuple[str, bytes]] = []
     for one, to_, issued, mapped in zip(
@@ -72,9 +75,8 @@ def compile_several(
             files.append((issued, say.certificate_bytes(one.summary)))
         if mapped is not None:
             files.append((mapped, say.map_bytes(api.source_map(one))))
-    if picture is not None:
-        where, draw = picture
-        files.append((where, draw(made.made[0], Path(names[0]).name, where)))
+    if plot is not None:
+        files.append((plot, picture(made.made[0], Path(names[0]).name, plot)))
     write_outputs(files)
     if not asked["quiet"]:
         for k, (one, to_) in enumerate(zip(made.made, names, strict=True)):

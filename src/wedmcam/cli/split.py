@@ -7,6 +7,7 @@ from typing import Any
 
 from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
+from wedmcam.cli.pictures import picture, write_refused
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.tell import tell
 from wedmcam.machines import Machine
@@ -28,7 +29,6 @@ def compile_split(
     """
     from wedmcam import api
     from wedmcam.cli import say
-    from wedmcam.cli.main import _picture
     from wedmcam.loads import compile_loads, moves, numbered
 
     ask.check_source(input_, asked["from_"])
@@ -42,7 +42,9 @@ def compile_split(
     for k, made in enumerate(loads, 1):
         say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
         if not made.ok:
-            tell("nothing was written", err=True)
+            if plot is not None:
+                write_refused(made, Path(name).name, plot, name)
+            tell("no program was written", err=True)
             if asked["json_"]:
                 say.say_json(made.summary)
             return int(made.status)
@@ -55,8 +57,8 @@ def compile_split(
         if certificate is not None:
             files.append((place(certificate), say.certificate_bytes(made.summary)))
         if plot is not None:
-            picture = _picture(made, Path(place(output)).name, plot)
-            files.append((place(plot), picture))
+            drawn = picture(made, Path(place(output)).name, plot)
+            files.append((place(plot), drawn))
         if map_ is not None:
             files.append((place(map_), say.map_bytes(api.source_map(made))))
     check_outputs([input_], [file for file, _ in files])

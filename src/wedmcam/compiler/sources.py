@@ -5,18 +5,23 @@ Nothing here knows for which machine it is: that begins in ``pipeline``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, option_texts
 from wedmcam.diag.run import Run
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.sketch import Sketch
+from wedmcam.ir.sketch import SEGMENT, Sketch
 from wedmcam.options import Options, WrongUse
 
 if TYPE_CHECKING:
+    from wedmcam.frontends.dxf import DxfOptions
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.layers import Group
     from wedmcam.transforms.nest import Nesting
@@ -54,6 +59,55 @@ class Drawn:
         from wedmcam.transforms.plan.drawing import cuts_of_drawing
 
         return cuts_of_drawing(self.groups, self.nesting, self.sketch.thread_points, options)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What was read of a drawing, for a picture of it where it is refused.
+
+    ``rows``: its segments, um, as the findings place them; ``sketch``: where they came from.
+    """
+
+    rows: NDArray[np.void]
+    sketch: Sketch
+    units: str = ""
+
+    def whole(self) -> Seen | None:
+        """Return what can be drawn; None where there is nothing."""
+        return self if len(self.rows) else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenWithoutUnits:
+    """Likewise where nobody says the units: one drawing unit is shown as 1 mm."""
+
+    data: bytes
+    file: str
+    asked: DxfOptions
+
+    def whole(self) -> Seen | None:
+        """Return what can be drawn; None where there is nothing."""
+        from wedmcam.frontends.dxf import read as read_dxf
+
+        sketch, _ = read_dxf(self.data, self.file, replace(self.asked, units="mm"))
+        if sketch is None or not len(sketch.segments):
+            return None
+        return Seen(sketch.segments, sketch, "unknown: 1 unit shown as 1 mm")
+
+
+def rows_of(contours: Sequence[Contour]) -> NDArray[np.void]:
+    """Return the segments of contours as `SEGMENT` rows; sources are of no one sketch."""
+    parts = [np.zeros(0, SEGMENT)]
+    for contour in contours:
+        a, b = contour.starts, contour.ends
+        rows = np.zeros(len(a), SEGMENT)
+        for name, of in (("x0", a["x"]), ("y0", a["y"]), ("x1", b["x"]), ("y1", b["y"])):
+            rows[name] = of
+        for name in ("cx", "cy", "turn"):
+            rows[name] = a[name]
+        rows["source"] = -1
+        parts.append(rows)
+    return np.concatenate(parts)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -101,7 +155,12 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         wished=options.wishes,
         tolerance_um=options.tolerance_um,
     )
-    sketch = run("read", read_dxf(data, file, asked))
+    sketch, found = read_dxf(data, file, asked)
+    if sketch is not None:
+        run.values["seen"] = Seen(sketch.segments, sketch)
+    elif any(d.code == "no-units" for d in found):
+        run.values["seen"] = SeenWithoutUnits(data, file, asked)
+    sketch = run("read", (sketch, found))
     groups, report, drawn = [], ChainReport(), sketch
     every: tuple[Contour, ...] = ()
     for rule, part in run("chain", split(sketch, options)):
@@ -187,8 +246,10 @@ def _transformed(
     )
     run.add("transform", figures.idle_reverse(contours, whole))
     contours = figures.counter_clockwise(made[0])
+    moved = replace(sketch, thread_points=made[1])
+    run.values["seen"] = Seen(rows_of(contours), moved)
     run.add("transform", contour_meetings(contours))
-    return replace(sketch, thread_points=made[1]), contours
+    return moved, contours
 
 
 def arithmetic(options: Options) -> Arithmetic:

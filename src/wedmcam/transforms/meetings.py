@@ -139,7 +139,7 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
     found += said
     once = np.array([p not in twice for p in over_pairs], bool)
     i, j, x, y, along = (v[once] for v in on_top)
-    found += _overlaps(placed, sources, i, j, x, y, along, least)
+    found += _overlaps(placed, sources, i, j, x, y, along, least=least)
     of_twice = np.array([p in twice for p in pairs_of_hits], bool)
     found += _crossings(placed, sources, hits, cross & ~of_twice, pairs, least)
     crossed = set(zip(*(np.sort(np.stack(pairs), axis=0)[:, cross]).tolist(), strict=True))

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from wedmcam.diag import Span
 from wedmcam.frontends.dxf.kinds import GEOMETRY, UNREADABLE, WITH_BOUNDS
 from wedmcam.frontends.dxf.repairs import repaired, written
-from wedmcam.frontends.dxf.tags import tags_of_text
+from wedmcam.frontends.dxf.tags import PADDING, tags_of_text
 
 #: A group code, a value, and the line of the value, from 0.
 Tag = tuple[int, str, int]
@@ -184,12 +184,12 @@ def _sections(source: _Source, out: Salvaged) -> list[tuple[str, int, int]]:
     A section begins where its head stands, whatever a damaged one before has done to the pairs.
     """
     lines = source.lines
-    last = len(lines)
-    while last and not lines[last - 1].strip():
-        last -= 1
-    if not last or lines[last - 1].strip() != "EOF":
+    words = [line.strip(PADDING) for line in lines]
+    marks = [k for k in _places(words, "EOF", 1, len(words)) if words[k - 1] == "0"]
+    last = marks[0] + 1 if marks else _behind_the_last(words)
+    if not last or words[last - 1] != "EOF":
         raise Hopeless(len(lines), "the end of file mark is missing; it may be cut off")
-    words = [line.strip() for line in lines[:last]]
+    del words[last:]
     heads = [
         k
         for k in _places(words, "SECTION", 1, last - 2)
@@ -211,6 +211,11 @@ def _sections(source: _Source, out: Salvaged) -> list[tuple[str, int, int]]:
     if stray:
         out.done.append(f"{stray} groups outside of sections left out")
     return found
+
+
+def _behind_the_last(words: list[str]) -> int:
+    """Return how many lines there are up to the last that is not empty."""
+    return next((k for k in range(len(words), 0, -1) if words[k - 1]), 0)
 
 
 def _places(words: list[str], word: str, first: int, last: int) -> list[int]:

@@ -36,15 +36,14 @@ class Range:
 def _mm(um: float) -> str:
     if abs(um) >= 1e6:
         return f"{um / 1e6:g} m"
-    return f"{um / 1e3:g} mm" if abs(um) >= 1 else f"{um:g} um" if um else "0"
+    return f"{um / 1e3:g} mm" if abs(um) >= 1 else f"{um:.6f}".rstrip("0") + " um" if um else "0"
 
 
 #: Field of `options.Options`, or parameter of a command, in um -> what it takes.
 LENGTHS: dict[str, Range] = {
     "join_um": Range(0.0),
-    # Arcs of a spline grow with the cube root of 1 / tolerance: a nanometre takes ten times as many
-    # as a micrometre, and no machine tells them apart.
-    "tolerance_um": Range(0.001, 10_000.0),
+    # Below a nanometre no arcs follow a spline: that is said of the drawing (`coarse-spline`).
+    "tolerance_um": Range(1e-6, 10_000.0),
     "offset_um": Range(0.0),
     "wire_um": Range(0.001),
     "gap_um": Range(0.0),

@@ -152,8 +152,8 @@ def test_no_value_of_an_option_is_an_internal_error(folder, capfd, command, opti
 @pytest.mark.parametrize(
     ("option", "word", "takes"),
     [
-        ("--tolerance", "0", "0.001 um to 10 mm"),
-        ("--tolerance", "-1", "0.001 um to 10 mm"),
+        ("--tolerance", "0", "0.000001 um to 10 mm"),
+        ("--tolerance", "-1", "0.000001 um to 10 mm"),
         ("--join", "-0.1", "0 to 100 m"),
         ("--offset", "-0.1", "0 to 100 m"),
         ("--stop", "0.5um", "0, or 0.001 mm"),

@@ -146,11 +146,12 @@ def _unlike(tags: Tags) -> NDArray[np.int64]:
     common[[*COMMON, *PICTURE_SIZE, PICTURE, COMMENT, 0, 100]] = 1
     others = np.r_[0, np.cumsum(1 - common[tags.codes])]
     good &= others[first] == others[np.where(good, two, first)]
-    words: dict[int, str] = {}
-    for k in np.flatnonzero(good).tolist():
-        word = words.get(int(two[k])) or tags.value(int(two[k])).strip()
-        own = own_of[int(tags.kinds[marks[k]])]
-        good[k] = word == own and tags.value(int(one[k])).strip() == ENTITY
+    there = np.flatnonzero(good)
+    firsts, seconds = (tags.texts(at[there].tolist()) for at in (one, two))
+    owns = [own_of[number] for number in tags.kinds[marks[there]].tolist()]
+    if firsts.count(ENTITY) != len(there) or seconds != owns:
+        right = zip(firsts, seconds, owns, strict=True)
+        good[there] = [a.strip() == ENTITY and b.strip() == own for a, b, own in right]
     out = marks[~good]
     return np.array([mark for mark in out.tolist() if _is_unlike(tags, mark)], np.int64)
 
@@ -208,9 +209,14 @@ def _handles(tags: Tags, edits: Edits) -> Iterator[Diagnostic]:
     names = [tags.names[name] for name in NO_HANDLE if name in tags.names]
     first &= ~np.isin(tags.kinds[owner], names)
     places, owner = places[first], owner[first]
-    values = [tags.value(at).strip().upper() for at in places.tolist()]
+    if not len(places):
+        return
+    values = tags.texts(places.tolist())
+    joined = "\n".join(values).upper()
     wrong = []
-    joined = "\n".join(values)
+    if " " in joined or "\t" in joined:
+        joined = "\n".join(value.strip() for value in values).upper()
+    values = joined.split("\n")
     if _STRANGE.search(joined) or _NOTHING.search(joined):
         wrong = [k for k, value in enumerate(values) if not _is_handle(value)]
     for k in wrong:

@@ -110,6 +110,17 @@ class Tags:
             return self._lines[2 * at + 1]
         return _binary_value(self._data, self._offsets[at], self.code(at), self._encoding)
 
+    def texts(self, places: Sequence[int]) -> list[str]:
+        """Return the values of many tags whose values are text; faster than one by one."""
+        if self._lines or not places:
+            return [self._lines[2 * at + 1] for at in places]
+        data, offsets, find = self._data, self._offsets, self._data.index
+        joined = b"\n".join([data[offsets[at] : find(b"\0", offsets[at])] for at in places])
+        out = joined.decode(self._encoding, "replace").split("\n")
+        if len(out) != len(places):  # a value holds a line end
+            return [self.value(at) for at in places]
+        return out
+
     def span(self, at: int) -> Span:
         """Return the place of a tag's value in the file."""
         if self._lines:

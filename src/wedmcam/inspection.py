@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from wedmcam.compiler.sources import Drawn
-from wedmcam.diag import Diagnostic
+from wedmcam.compiler import sources
+from wedmcam.compiler.sources import Drawn, DrawnPart
+from wedmcam.diag import Diagnostic, Severity
 from wedmcam.geom import measure
 from wedmcam.geom import segments as seg
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.options import Options
 from wedmcam.transforms.chain import open_contour_findings
-from wedmcam.transforms.compensate import largest_offset
+from wedmcam.transforms.compensate.largest import Largest, largest_offset
+from wedmcam.transforms.merge import merge_arcs
 
 #: Offsets above this are not looked for, um: the ZD-065's largest, rounded up.
 LARGEST_UM = 8000.0
 
+#: Outlines of one part, and +1 for each where the wire runs to its left, -1 to its right.
+_Sides = tuple[list[Contour], list[float]]
+
 
 def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """Return the facts of a drawing in mm, and findings on open contours.
+    """Return the facts of a drawing in mm, and findings on open contours and on what has no side.
 
     The largest permissible offset is that of the side asked for (``part`` by default), over all
     contours together, with the place that limits it.
@@ -56,8 +62,8 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
         "list": [_one(k, c, d, p) for k, (c, d, p) in enumerate(_listed(drawn))],
     }
     facts.update(info.extra)
-    facts["largest_offset"] = _largest(drawn, options) if closed else None
-    return facts, list(open_contour_findings(contours, options.join_um))
+    facts["largest_offset"], found = _largest(drawn, options) if closed else (None, [])
+    return facts, [*open_contour_findings(contours, options.join_um), *found]
 
 
 def _mm(values: Any) -> list[float]:
@@ -103,24 +109,56 @@ def _smallest_radius(contours: tuple[Contour, ...]) -> dict[str, Any] | None:
     return {"radius_mm": _mm([best[0]])[0], "center_mm": _mm(best[1:3]), "where": best[3]}
 
 
-def _largest(drawn: Drawn, options: Options) -> dict[str, Any]:
-    """Return the largest offset without interference, and what limits it."""
-    from wedmcam.transforms.plan.pieces import runs_outside
+def _scenes(
+    drawn: Drawn, side: Side, options: Options
+) -> tuple[list[_Sides] | None, list[Diagnostic]]:
+    """Return what makes one part each: its outlines as they are cut, and the side of the wire.
 
+    None where a compile would refuse the contours: what crosses itself has no side.
+    """
+    from wedmcam.transforms.plan.idle import Used
+    from wedmcam.transforms.plan.pieces import runs_outside
+    from wedmcam.transforms.plan.planner import scenes_to_cut
+
+    if not isinstance(drawn, DrawnPart):
+        chosen = [
+            (merge_arcs(c), -1.0 if runs_outside(depth, side is Side.PART) else 1.0)
+            for c, depth in zip(drawn.contours, drawn.nesting.depths, strict=True)
+            if c.closed
+        ]
+        return [([c for c, _ in chosen], [s for _, s in chosen])], []
+    # Cuts that state no offset of their own need one to have a side.
+    options = replace(options, offset_um=options.offset_um or 1.0, side=None, corner_um=0.0)
+    scenes, found = scenes_to_cut(drawn.shaped, options, sources.arithmetic(options), Used())
+    if scenes is None:
+        return None, [d for d in found if d.severity is Severity.ERROR]
+    sided = [[p for p in scene.pieces if p.shift] for scene in scenes]
+    return [
+        ([p.contour for p in pieces], [float(np.sign(p.shift)) for p in pieces])
+        for pieces in sided
+        if pieces
+    ], []
+
+
+def _largest(drawn: Drawn, options: Options) -> tuple[dict[str, Any] | None, list[Diagnostic]]:
+    """Return the largest offset without interference, and what limits it."""
     side = options.side if options.side is Side.DIE else Side.PART
-    chosen = [
-        (c, -1.0 if runs_outside(depth, side is Side.PART) else 1.0)
-        for c, depth in zip(drawn.contours, drawn.nesting.depths, strict=True)
-        if c.closed
-    ]
-    outlines, signs = [c for c, _ in chosen], [s for _, s in chosen]
-    most, limit = largest_offset(outlines, signs, LARGEST_UM)
-    result: dict[str, Any] = {"side": str(side), "offset_mm": round(most / 1000, 3)}
+    scenes, found = _scenes(drawn, side, options)
+    if not scenes:
+        return None, found
+    outlines: list[Contour] = []
+    largest = Largest(LARGEST_UM, None)
+    for contours, signs in scenes:
+        own = largest_offset(contours, signs, largest.offset_um)
+        if own.limit is not None:
+            outlines, largest = contours, own
+    limit = largest.limit
+    result: dict[str, Any] = {"side": str(side), "offset_mm": largest.nearest_um / 1000}
     if limit is None:
         result["limited_by"] = None
-        return result
+        return result, []
     where = outlines[limit.outline].source_of(limit.row)
     result["limited_by"] = limit.kind
     result["at_mm"] = _mm(limit.at)
     result["where"] = str(where) if where else None
-    return result
+    return result, []

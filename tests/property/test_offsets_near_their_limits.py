@@ -1,7 +1,6 @@
 """Offsets at the edge of what fits: a proven program, or a refusal that names the place.
 
-That the judge has to stop a program of ours is a fault of the compiler. `hunted` is a seeded part of
-a hunt over thousands of such parts.
+That the judge has to stop a program of ours is a fault of the compiler.
 """
 
 import numpy as np

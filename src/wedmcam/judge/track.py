@@ -233,9 +233,10 @@ def _follow(
 ) -> list[tuple[int, float]]:
     """Follow places low to high - 1 of one cut; fill ``at``, return where it was lost.
 
-    ``at[low]`` is known; so is the last one, but where the places end their cut. Of all ways through the places' candidates the
-    one is taken that lies nearest to them and is as long as their blocks: where segments are as
-    short as what rounding moves their ends, only the whole tells which vertex is meant.
+    ``at[low]`` is known; so is the last one, but where the places end their cut. Of all ways
+    through the places' candidates the one is taken that lies nearest to them and is as long as
+    their blocks: where segments are as short as what rounding moves their ends, only the whole
+    tells which vertex is meant.
     """
     first, last = int(route.first[c]), int(route.first[c + 1])
     starts, ends = route.at[first:last], route.to[first:last]

@@ -1,7 +1,8 @@
 """The largest offset of outlines: the limit between a wire path and interference.
 
 It is found by asking ``compensate`` itself, as a compile does, so that the two agree whatever
-limits an offset: a fillet, a neck, the mouth of an arc of more than half a turn, the size of a hole.
+limits an offset: a fillet, a neck, the mouth of an arc of more than half a turn, the size of a
+hole.
 """
 
 from __future__ import annotations

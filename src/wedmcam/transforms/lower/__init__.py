@@ -19,7 +19,7 @@ from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
-from wedmcam.ir.plan import Cut, Plan
+from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.transforms.lower import moves
 from wedmcam.transforms.lower.course import Course, lay_out

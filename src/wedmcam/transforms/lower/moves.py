@@ -47,8 +47,8 @@ def _connected(reach: NDArray[np.bool_], plan: Plan) -> bool:
     Not through a contour to what it encloses.
     """
     boxes = measure.extents_of_all([(cut.path.vertices, cut.path.closed) for cut in plan.cuts])
-    low = (boxes[:, None, :2] <= boxes[None, :, :2]).all(axis=2)
-    encloses = low & (boxes[:, None, 2:] >= boxes[None, :, 2:]).all(axis=2)
+    low: NDArray[np.bool_] = (boxes[:, None, :2] <= boxes[None, :, :2]).all(axis=2)
+    encloses: NDArray[np.bool_] = low & (boxes[:, None, 2:] >= boxes[None, :, 2:]).all(axis=2)
     np.fill_diagonal(encloses, False)
     closed = np.array([cut.path.closed for cut in plan.cuts])
     encloses &= closed[:, None]
@@ -56,7 +56,8 @@ def _connected(reach: NDArray[np.bool_], plan: Plan) -> bool:
         return False
     for inner in encloses:
         if inner.sum() > 1:
-            parts = _parts(reach, ~encloses[:, inner].any(axis=1))
+            through: NDArray[np.bool_] = np.logical_not(encloses[:, inner].any(axis=1))
+            parts = _parts(reach, through)
             if len(set(parts[inner].tolist())) > 1:
                 return False
     return True

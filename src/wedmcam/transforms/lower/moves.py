@@ -47,8 +47,9 @@ def _connected(reach: NDArray[np.bool_], plan: Plan) -> bool:
     Not through a contour to what it encloses.
     """
     boxes = measure.extents_of_all([(cut.path.vertices, cut.path.closed) for cut in plan.cuts])
-    low: NDArray[np.bool_] = (boxes[:, None, :2] <= boxes[None, :, :2]).all(axis=2)
-    encloses: NDArray[np.bool_] = low & (boxes[:, None, 2:] >= boxes[None, :, 2:]).all(axis=2)
+    low = np.asarray((boxes[:, None, :2] <= boxes[None, :, :2]).all(axis=2))
+    high = np.asarray((boxes[:, None, 2:] >= boxes[None, :, 2:]).all(axis=2))
+    encloses: NDArray[np.bool_] = np.logical_and(low, high)
     np.fill_diagonal(encloses, False)
     closed = np.array([cut.path.closed for cut in plan.cuts])
     encloses &= closed[:, None]

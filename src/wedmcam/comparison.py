@@ -15,6 +15,7 @@ import numpy as np
 from wedmcam.compiler import sources
 from wedmcam.compiler.sources import Drawn
 from wedmcam.diag.run import Refused, Run
+from wedmcam.geom import pairs
 from wedmcam.geom import segments as seg
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan
@@ -22,6 +23,8 @@ from wedmcam.options import ARITHMETICS, Options
 
 #: Pairs of a vertex and a segment that are looked at at once: some 30 MB.
 PAIRS = 500_000
+#: The arithmetics are hardly ever farther apart than this, um.
+NEAR_UM = 1.0
 
 
 def difference_um(
@@ -37,9 +40,9 @@ def difference_um(
         options: as compiled.
 
     Returns:
-        The largest distance of a vertex from the vertex of the same number; from the nearest
-        segment where the paths have not the same segments. None where the other arithmetic refuses
-        the part.
+        The largest distance of a place of either path from the other path. The paths are compared
+        as sets of places: where a tie is decided otherwise, they start elsewhere and are the same.
+        None where the other arithmetic refuses the part.
     """
     (other,) = (name for name in ARITHMETICS if name != options.arithmetic)
     options = replace(options, arithmetic=other, strict=False)
@@ -54,27 +57,31 @@ def difference_um(
 
 
 def _apart(one: Sequence[Contour], two: Sequence[Contour]) -> float:
-    same = len(one) == len(two) and all(
-        a.closed == b.closed and np.array_equal(a.vertices["turn"], b.vertices["turn"])
-        for a, b in zip(one, two, strict=True)
+    """Return how far two sets of paths are from each other, wherever they start, um."""
+    return max(_from_paths(one, two), _from_paths(two, one))
+
+
+def _from_paths(one: Sequence[Contour], two: Sequence[Contour]) -> float:
+    """Return the largest distance of ``one``, its vertices and middles, from ``two``."""
+    ours, s = _segments(one), _segments(two)
+    middle_x, middle_y = seg.points_at(ours, 0.5 * ours.length)
+    x, y = (np.concatenate(c) for c in ((ours.x0, ours.x1, middle_x), (ours.y0, ours.y1, middle_y)))
+    boxes = seg.boxes(s)
+    apart = np.full(len(x), np.inf)
+    reach = NEAR_UM
+    while len(rest := np.flatnonzero(np.isinf(apart))):
+        # All segments may be near to all points in the end: a few points at a time then.
+        step = len(rest) if reach == NEAR_UM else max(1, PAIRS // len(s))
+        for k in range(0, len(rest), step):
+            px, py = x[rest[k : k + step]], y[rest[k : k + step]]
+            i, j = pairs.overlapping((px, py, px, py), pairs.grown(boxes, reach))
+            d = pairs.least(seg.distances(s.take(j), px[i], py[i]), i, len(px))
+            apart[rest[k : k + step]] = np.where(d <= reach, d, np.inf)
+        reach *= 100.0
+    return float(apart.max())
+
+
+def _segments(paths: Sequence[Contour]) -> seg.Segments:
+    return seg.of_rows(
+        np.concatenate([c.starts for c in paths]), np.concatenate([c.ends for c in paths])
     )
-    if same:
-        return max(
-            float(np.hypot(*(a.vertices[k] - b.vertices[k] for k in ("x", "y"))).max())
-            for a, b in zip(one, two, strict=True)
-        )
-    return max(_from_segments(one, two), _from_segments(two, one))
-
-
-def _from_segments(one: Sequence[Contour], two: Sequence[Contour]) -> float:
-    """Return the largest distance of a vertex of ``one`` from ``two``."""
-    x, y = (np.concatenate([c.vertices[k] for c in one]) for k in ("x", "y"))
-    s = seg.of_rows(np.concatenate([c.starts for c in two]), np.concatenate([c.ends for c in two]))
-    worst = 0.0
-    step = max(1, PAIRS // len(s))
-    for k in range(0, len(x), step):
-        px, py = x[k : k + step], y[k : k + step]
-        every = s.take(np.tile(np.arange(len(s)), len(px)))
-        d = seg.distances(every, np.repeat(px, len(s)), np.repeat(py, len(s)))
-        worst = max(worst, float(d.reshape(len(px), len(s)).min(axis=1).max()))
-    return worst

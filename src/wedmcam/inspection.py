@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from wedmcam.compiler.sources import Drawn
+from wedmcam.compiler import sources
+from wedmcam.compiler.sources import Drawn, DrawnPart
 from wedmcam.diag import Diagnostic
 from wedmcam.geom import measure
 from wedmcam.geom import segments as seg
@@ -18,14 +20,19 @@ from wedmcam.ir.understanding import Role, counted
 from wedmcam.options import Options
 from wedmcam.programs.understanding import drawn_by
 from wedmcam.transforms.chain import open_contour_findings
-from wedmcam.transforms.compensate import largest_offset
+from wedmcam.transforms.compensate.largest import Largest, largest_offset
+from wedmcam.transforms.merge import merge_arcs
+from wedmcam.transforms.plan.scenes import PieceScene
 
 #: Offsets above this are not looked for, um: the ZD-065's largest, rounded up.
 LARGEST_UM = 8000.0
 
+#: Outlines of one part, and +1 for each where the wire runs to its left, -1 to its right.
+_Sides = tuple[list[Contour], list[float]]
+
 
 def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """Return the facts of a drawing in mm, and findings on open contours and thin material.
+    """Return the facts of a drawing in mm, and findings on open contours and what cannot be cut.
 
     The largest permissible offset is that of the side asked for (``part`` by default), over all
     contours together, with the place that limits it.
@@ -63,28 +70,29 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
         "list": [_one(k, c, d, p) for k, (c, d, p) in enumerate(_listed(drawn))],
     }
     facts.update(info.extra)
-    facts["largest_offset"] = _largest(drawn, options) if closed else None
-    found = [*open_contour_findings(contours, options.join_um), *_thin(drawn, options)]
-    return facts, found
+    scenes, unsound = _scenes_to_cut(drawn, options)
+    facts["largest_offset"] = _largest(drawn, scenes, options) if closed else None
+    return facts, [*open_contour_findings(contours, options.join_um), *unsound]
 
 
-def _thin(drawn: Drawn, options: Options) -> list[Diagnostic]:
-    """Return what is too thin or too small, of what can be planned so far.
+def _scenes_to_cut(
+    drawn: Drawn, options: Options
+) -> tuple[list[PieceScene] | None, list[Diagnostic]]:
+    """Return what makes one part each, as it would be cut; None where that is refused.
 
     Nobody states an offset here. Some is needed for a side, and none is smaller than this.
     """
-    from wedmcam.compiler.sources import arithmetic
     from wedmcam.transforms.plan.idle import Used
-    from wedmcam.transforms.plan.material import thin_material
-    from wedmcam.transforms.plan.pieces import pieces_of
-    from wedmcam.transforms.plan.scenes import scenes_of
+    from wedmcam.transforms.plan.planner import scenes_to_cut
 
-    side = Side.DIE if options.side is Side.DIE else Side.PART
-    options = replace(options, side=side, offset_um=options.offset_um or 1.0, corner_um=0.0)
-    asked, _ = drawn.cuts(options)
-    ar, used = arithmetic(options), Used()
-    pieces = [p for k, cut in enumerate(asked) for p in pieces_of(k, cut, options, ar, used)[0]]
-    return thin_material(scenes_of(asked, pieces)[0], options.thin_wall_um)
+    side = None if isinstance(drawn, DrawnPart) else _side(options)
+    some = options.offset_um or 1.0
+    options = replace(options, side=side, offset_um=some, corner_um=0.0, clearance_um=0.0)
+    return scenes_to_cut(drawn.cuts(options)[0], options, sources.arithmetic(options), Used())
+
+
+def _side(options: Options) -> Side:
+    return Side.DIE if options.side is Side.DIE else Side.PART
 
 
 def _mm(values: Any) -> list[float]:
@@ -128,19 +136,45 @@ def _smallest_radius(contours: tuple[Contour, ...]) -> dict[str, Any] | None:
     return {"radius_mm": _mm([best[0]])[0], "center_mm": _mm(best[1:3]), "where": best[3]}
 
 
-def _largest(drawn: Drawn, options: Options) -> dict[str, Any]:
-    """Return the largest offset without interference, and what limits it."""
+def _sides(drawn: Drawn, scenes: Sequence[PieceScene] | None, side: Side) -> list[_Sides]:
+    """Return what makes one part each: its outlines as they are cut, and the side of the wire.
+
+    Nothing where a part program, or one with sides of layers, is refused: what crosses itself has
+    no side.
+    """
     from wedmcam.transforms.plan.pieces import runs_outside
 
-    side = options.side if options.side is Side.DIE else Side.PART
-    chosen = [
-        (c, -1.0 if runs_outside(depth, side is Side.PART) else 1.0)
-        for c, depth in zip(drawn.contours, drawn.nesting.depths, strict=True)
-        if c.closed
+    if not isinstance(drawn, DrawnPart) and len(drawn.groups) < 2:
+        chosen = [
+            (merge_arcs(c), -1.0 if runs_outside(depth, side is Side.PART) else 1.0)
+            for c, depth in zip(drawn.contours, drawn.nesting.depths, strict=True)
+            if c.closed
+        ]
+        return [([c for c, _ in chosen], [s for _, s in chosen])]
+    sided = [[p for p in scene.pieces if p.shift] for scene in scenes or ()]
+    return [
+        ([p.contour for p in pieces], [float(np.sign(p.shift)) for p in pieces])
+        for pieces in sided
+        if pieces
     ]
-    outlines, signs = [c for c, _ in chosen], [s for _, s in chosen]
-    most, limit = largest_offset(outlines, signs, LARGEST_UM)
-    result: dict[str, Any] = {"side": str(side), "offset_mm": round(most / 1000, 3)}
+
+
+def _largest(
+    drawn: Drawn, scenes: Sequence[PieceScene] | None, options: Options
+) -> dict[str, Any] | None:
+    """Return the largest offset without interference, and what limits it."""
+    side = _side(options)
+    sides = _sides(drawn, scenes, side)
+    if not sides:
+        return None
+    outlines: list[Contour] = []
+    largest = Largest(LARGEST_UM, None)
+    for contours, signs in sides:
+        own = largest_offset(contours, signs, largest.offset_um)
+        if own.limit is not None:
+            outlines, largest = contours, own
+    limit = largest.limit
+    result: dict[str, Any] = {"side": str(side), "offset_mm": largest.nearest_um / 1000}
     if limit is None:
         result["limited_by"] = None
         return result

@@ -6,7 +6,8 @@ import pytest
 from oracle import distance_to_contour, lengths, sample_contour, signed_area
 from parts import circle, contour_of_bulges, gear, pinch, rectangle, rounded, slot, stator
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.compensate import compensate, largest_offset
+from wedmcam.transforms.compensate import compensate
+from wedmcam.transforms.compensate.largest import Largest, largest_offset
 
 PI = np.pi
 
@@ -261,17 +262,19 @@ class TestLargestOffset:
             ([gear(96)], [1], 500),
         ],
     )
-    def test_is_just_below_the_truth(self, contours, signs, truth):
-        found, limit = largest_offset(contours, signs)
-        assert truth - 0.05 <= found <= truth + 1e-9
-        assert limit is not None
+    def test_is_the_truth_to_the_um(self, contours, signs, truth):
+        found = largest_offset(contours, signs)
+        assert truth - 1.0 <= found.offset_um <= truth + 1e-9
+        assert found.nearest_um == truth
+        assert found.limit is not None
 
     def test_nothing_limits_the_outside_of_a_rectangle(self):
-        assert largest_offset([RECT], [-1.0]) == (8000.0, None)
+        assert largest_offset([RECT], [-1.0]) == Largest(8000.0, None)
 
     def test_fillet_is_named(self):
         square = np.array([(0, 0), (10e3, 0), (10e3, 10e3), (0, 10e3)], float)
         contour = contour_of_bulges(*rounded(square, np.array([400.0, 321.0, 400.0, 400.0])))
-        found, limit = largest_offset([contour], [1.0])
-        assert found == pytest.approx(321.0, abs=0.05)
+        found = largest_offset([contour], [1.0])
+        assert found.offset_um == pytest.approx(321.0, abs=0.05)
+        limit = found.limit
         assert (limit.kind, limit.row, limit.size) == ("radius", 2, pytest.approx(321.0))

@@ -131,6 +131,7 @@ def judged(
         plan,
         stepping=target.machine.stepping,
         limits=target.machine.limits,
+        free_moves=target.machine.move_um is None,
         count="textbook" if textbook else "exact",
         strict_order=strict_order,
         trimmed=options.trim,

@@ -530,7 +530,8 @@ CODES: dict[str, Code] = {
     "move-too-long": Code(
         "a move between two thread points does not fit one block",
         "several lines between two D would be cut, not moved",
-        "use another --order, or thread points that lie nearer to each other",
+        "another --order, where one leads from contour to contour in shorter moves; a profile that "
+        "moves with G00 (iso-mm); or a program for each group of contours (--cuts)",
     ),
     "cannot-lower": Code(
         "no stepped path within the budget of deviation was found",

@@ -590,8 +590,12 @@ def _blocks(
     x, y, fx, fy = sx - cx, sy - cy, ex - cx, ey - cy
     radius, reach = np.hypot(x, y), np.hypot(fx, fy)
     tell(
-        (radius < 1.5) & ~both & ~neither,
-        lambda i: "the centre is the start: the arc has no radius",
+        (x * x + y * y < 2) & ~both & ~neither,  # as in 3B: no step leads round
+        lambda i: (
+            "the centre is the start: the arc has no radius"
+            if radius[i] == 0
+            else "the arc starts 0.001 mm from its centre and never ends"
+        ),
     )
     off = np.abs(reach - radius)
     far = off > iso.END_UM

@@ -28,13 +28,16 @@ class Limits(Protocol):
         """Largest |x| and |y| of an arc's start from its centre."""
 
 
-def check_blocks(program: Program, limits: Limits | None, steps: Ints) -> list[Diagnostic]:
+def check_blocks(
+    program: Program, limits: Limits | None, steps: Ints, free_moves: bool = False
+) -> list[Diagnostic]:
     """Report blocks that no controller could run; the first five of a sort, then their number.
 
     Args:
         program: as decoded.
         limits: of the machine; None for none.
         steps: of each block; -1 where it never ends.
+        free_moves: moves between cuts have no limit (G00).
     """
     b = program.blocks
     per = per_mm(program)
@@ -44,7 +47,7 @@ def check_blocks(program: Program, limits: Limits | None, steps: Ints) -> list[D
     def report(code: str, mask: Bools, what: str, value: Ints, most: int | None) -> None:
         rows = np.flatnonzero(mask)
         for row in rows[:5].tolist():
-            bound = "" if most is None else f", the limit is {most / per:.3f} mm"
+            "" if most is None else f", the limit is {most / per:.3f} mm"
             more = f" (and {len(rows) - 5} more)" if row == rows[min(4, len(rows) - 1)] else ""
             findings.append(
                 error(
@@ -60,15 +63,16 @@ def check_blocks(program: Program, limits: Limits | None, steps: Ints) -> list[D
     if limits is not None:
         size = np.maximum(np.abs(b["x"]), np.abs(b["y"]))
         arc = b["kind"] == Kind.ARC
+        bound = motion & (b["kind"] != Kind.MOVE) if free_moves else motion
         report(
             "block-limit",
-            motion & (b["count"] > limits.count_um),
+            bound & (b["count"] > limits.count_um),
             "count length J",
             b["count"],
             limits.count_um,
         )
         report(
-            "block-limit", motion & ~arc & (size > limits.line_um), "x or y", size, limits.line_um
+            "block-limit", bound & ~arc & (size > limits.line_um), "x or y", size, limits.line_um
         )
         report(
             "block-limit", arc & (size > limits.arc_um), "start from centre", size, limits.arc_um

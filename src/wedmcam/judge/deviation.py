@@ -256,7 +256,7 @@ def _arcs(x: Floats, y: Floats, s, at: Floats, p: Pieces) -> tuple[Floats, Float
     v = np.repeat(s.radius, p.count)
     v -= np.sqrt(qx)
     v *= np.repeat(s.turn, p.count)
-    wide = (s.half > 2.0) & (s.radius >= TINY) & (p.count > 0)
+    wide = (s.half > 2.0) & (p.count > 0)
     if wide.any():
         first = np.cumsum(p.count) - p.count
         jump = np.diff(angle)

@@ -68,6 +68,7 @@ def judge(
     strict_order: bool = True,
     trimmed: bool = False,
     fitted: bool = False,
+    free_moves: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge a decoded program.
 
@@ -86,6 +87,7 @@ def judge(
         strict_order: False proves the part only: order, sense, start and leads may differ from the
             plan's and are notes.
         fitted: where the program starts is not known, but was fitted.
+        free_moves: moves between cuts have no limit (G00).
         trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
             missing are warnings then.
 
@@ -93,7 +95,7 @@ def judge(
         The verdict, and findings; ``ok`` is that none of them is an error.
     """
     way = walk(program, stepping, textbook=count == "textbook")
-    findings = check_blocks(program, limits, way.steps)
+    findings = check_blocks(program, limits, way.steps, free_moves)
     plan = in_steps(plan, program.step_um)
     case = _Case(program, plan, path_limit_um, gouge_limit_um, trimmed, strict_order, fitted)
     verdict, found = case.judge(way, count)

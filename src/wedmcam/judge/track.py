@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.judge.route import Route
 from wedmcam.judge.segments import Floats, Ints, Segments, point_distance
@@ -21,6 +22,9 @@ NEAR = 2.0
 
 #: A block end farther than this from the route is lost, um.
 LOST = 8.0
+
+#: A way through candidates that costs this much more than the best one is given up, um.
+HOPELESS = 20.0
 
 
 class Track(NamedTuple):
@@ -65,9 +69,28 @@ def track(route: Route, x: Floats, y: Floats, length: Floats, cut: Ints) -> Trac
     at = _anchored(route, x, y, length, cut, first)
     lost: list[tuple[int, float]] = []
     undone = np.isnan(at)
-    for c in np.flatnonzero(np.bincount(cut[undone])):
-        low, high = int(first[c]), int(first[c + 1])
-        lost.extend(_follow(route, int(c), x, y, length, at, low, high))
+    # Runs of places that are not settled, each from the settled one before to the one behind.
+    goes_on = np.append(False, undone[:-1] & (cut[1:] == cut[:-1]))[: len(x)]
+    begins = np.flatnonzero(undone & ~goes_on)
+    gone = -1
+    for low in begins.tolist():
+        c = int(cut[low])
+        if c == gone:
+            at[low : first[c + 1]] = np.nan
+            continue
+        high = low + 1
+        while high < first[c + 1] and undone[high]:
+            high += 1
+        if low == first[c]:
+            at[low] = route.low[c]
+        low = max(low - 1, int(first[c]))
+        ends_cut = high == first[c + 1]
+        high = high if ends_cut else high + 1
+        lost_here = _follow(route, c, x, y, length, at, low, high, ends_cut)
+        if lost_here:
+            gone = c
+            at[lost_here[0][0] : first[c + 1]] = np.nan
+            lost += lost_here
     is_end = np.ones(len(x), bool)
     is_end[first[:-1][first[:-1] < first[1:]]] = False
     ends = np.flatnonzero(is_end)
@@ -108,6 +131,9 @@ def _anchored(route: Route, x: Floats, y: Floats, length: Floats, cut: Ints, fir
     off = np.abs(v_at[v] - expected[p])
     good = (cut[p] == v_cut[v]) & (off <= room[cut[p]])
     p, v, off = p[good], v[good], off[good]
+    unsure = _unsure(p, off, len(x))
+    unsure[first[:-1]] = unsure[first[1:] - 1] = False  # a cut begins and ends its route
+    p, v, off = p[~unsure[p]], v[~unsure[p]], off[~unsure[p]]
     for key in (p, v):  # the best vertex for a place, then the best place for a vertex
         order = np.lexsort((off, key))
         sorted_key = key[order]
@@ -131,13 +157,17 @@ def _anchored(route: Route, x: Floats, y: Floats, length: Floats, cut: Ints, fir
     bad |= out[np.maximum(first[1:] - 1, 0)] != v_at[v_last]
     same = cut[p[1:]] == cut[p[:-1]]
     step_p, step_v = np.diff(p), np.diff(v)
-    doubt = same & ((step_v <= 0) | ((step_p > 1) & (step_v > 1)))
+    count = np.cumsum(unsure)
+    sure = count[p[1:]] == count[p[:-1]]
+    doubt = same & ((step_v <= 0) | ((step_p > 1) & (step_v > 1) & sure))
     bad[cut[p[1:][doubt]]] = True
     # Blocks that part one segment: their ends by their feet on it.
     inner = np.flatnonzero(np.isnan(out))
     inner = inner[~bad[cut[inner]]]
     if len(inner):
         before = np.searchsorted(p, inner) - 1
+        settled = sure[before]
+        inner, before = inner[settled], before[settled]
         segment = v[before] - v_cut[v[before]]
         held = route.segments.take(segment)
         t = progress(held, x[inner], y[inner])
@@ -145,10 +175,23 @@ def _anchored(route: Route, x: Floats, y: Floats, length: Floats, cut: Ints, fir
         bad_t |= point_distance(held, x[inner], y[inner]) > LOST
         out[inner] = route.at[segment] + t
         bad[cut[inner[bad_t]]] = True
-    back = (np.diff(out) <= 0) & (cut[1:] == cut[:-1])
+    with np.errstate(invalid="ignore"):
+        back = (np.diff(out) <= 0) & (cut[1:] == cut[:-1])
     bad[cut[1:][back]] = True
     out[bad[cut]] = np.nan
     return out
+
+
+def _unsure(p: Ints, off: Floats, places: int) -> NDArray[np.bool_]:
+    """Return which places have two vertices that are as likely: segments of a step or two."""
+    order = np.lexsort((off, p))
+    p, off = p[order], off[order]
+    result = np.zeros(places, bool)
+    first = np.diff(p, prepend=-1) != 0
+    second = np.append(False, first[:-1]) & ~first
+    k = np.flatnonzero(second)
+    result[p[k[off[k] - off[k - 1] < 4.0 * NEAR]]] = True
+    return result
 
 
 def _beside(x: Floats, y: Floats, vx: Floats, vy: Floats) -> tuple[Ints, Ints]:
@@ -186,45 +229,90 @@ def _follow(
     at: Floats,
     low: int,
     high: int,
+    ends_cut: bool,
 ) -> list[tuple[int, float]]:
-    """Follow one cut block by block; fill ``at``, return where it was lost."""
+    """Follow places low to high - 1 of one cut; fill ``at``, return where it was lost.
+
+    ``at[low]`` is known; so is the last one, but where the places end their cut. Of all ways
+    through the places' candidates the one is taken that lies nearest to them and is as long as
+    their blocks: where segments are as short as what rounding moves their ends, only the whole
+    tells which vertex is meant.
+    """
     first, last = int(route.first[c]), int(route.first[c + 1])
     starts, ends = route.at[first:last], route.to[first:last]
-    here = float(starts[0])
-    at[low] = here
+    final = high - 1 if ends_cut else -1
+    seen = [np.array([at[low]])]
+    came: list[Ints] = [np.zeros(1, np.int64)]
+    cost = np.zeros(1)
+    lost: list[tuple[int, float]] = []
     for p in range(low + 1, high):
-        wanted = here + float(length[p])
-        room = 4.0 + 0.02 * float(length[p])
-        k0 = int(np.searchsorted(ends, here - 4.0))
-        k1 = int(np.searchsorted(starts, wanted + room, "right"))
-        k0, k1 = min(k0, len(starts) - 1), max(min(k1, len(starts)), min(k0, len(starts) - 1) + 1)
-        held = route.segments.take(slice(first + k0, first + k1))
-        px, py = np.full(k1 - k0, x[p]), np.full(k1 - k0, y[p])
-        d = point_distance(held, px, py)
-        t = progress(held, px, py)
-        # The start of a long arc lies beyond its end as well: the turn nearest to what is expected.
-        turn = 2.0 * np.pi * held.radius
-        turns = np.round((wanted - starts[k0:k1] - t) / np.where(turn > 0, turn, 1.0))
-        other = t + turns * turn
-        fits = (other >= -NEAR) & (other <= held.length + NEAR)
-        t = np.clip(np.where(fits, other, t), 0.0, held.length) + starts[k0:k1]
-        nearest = float(d.min())
-        if nearest > LOST:
-            everything = route.segments.take(slice(first, last))
-            off = point_distance(everything, np.full(1, x[p]), np.full(1, y[p]))
-            at[p:high] = np.nan
-            return [(p, float(off.min()))]
-        cost = np.where(d <= LOST, d + 0.5 * np.abs(t - wanted), np.inf)
-        best = int(np.argmin(cost))
-        here = float(t[best])
-        # On a vertex: its progress exactly, so that pieces begin and end with segments.
-        k = k0 + best
-        for vertex, vx, vy in (
-            (float(starts[k]), held.ax[best], held.ay[best]),
-            (float(ends[k]), held.bx[best], held.by[best]),
-        ):
-            if abs(vertex - here) <= 2 * NEAR and np.hypot(vx - x[p], vy - y[p]) <= NEAR:
-                here = vertex
-                break
-        at[p] = here
-    return []
+        here, step = seen[-1], float(length[p])
+        if p == high - 1 and not ends_cut:
+            there, off = at[p : p + 1], np.zeros(1)
+        else:
+            k0 = min(int(np.searchsorted(ends, here.min() - 4.0)), len(starts) - 1)
+            reach = here.max() + step + 4.0 + 0.02 * step
+            k1 = max(int(np.searchsorted(starts, reach, "right")), k0 + 1)
+            held = route.segments.take(slice(first + k0, first + k1))
+            there, off = _candidates(held, starts[k0:k1], ends[k0:k1], x[p], y[p])
+            if p == final and len(there) and there.max() == ends[-1]:
+                there, off = there[there == ends[-1]][:1], np.zeros(1)  # it ends its route
+        if not len(there):
+            off = point_distance(
+                route.segments.take(slice(first, last)), x[p : p + 1], y[p : p + 1]
+            )
+            lost.append((p, float(off.min())))
+            high = p
+            break
+        ways = cost[None, :] + 0.5 * np.abs(there[:, None] - here[None, :] - step)
+        best = np.argmin(ways, axis=1)
+        cost = ways[np.arange(len(there)), best] + off
+        kept = np.flatnonzero(cost <= cost.min() + HOPELESS)
+        seen.append(there[kept])
+        came.append(best[kept])
+        cost = cost[kept]
+    k = int(np.argmin(cost))
+    for p in range(high - 1, low, -1):
+        at[p] = seen[p - low][k]
+        k = int(came[p - low][k])
+    return lost
+
+
+def _candidates(
+    held: Segments, starts: Floats, ends: Floats, x: float, y: float
+) -> tuple[Floats, Floats]:
+    """Return where on segments a place may be, as progress, and how far off it is then, um.
+
+    On a vertex: its progress exactly, so that pieces begin and end with segments.
+    """
+    n = len(starts)
+    px, py = np.full(n, x), np.full(n, y)
+    d = point_distance(held, px, py)
+    near = np.flatnonzero(d <= LOST)
+    if not len(near):
+        return np.zeros(0), np.zeros(0)
+    held, d, px, py = held.take(near), d[near], px[near], py[near]
+    starts, ends = starts[near], ends[near]
+    t = progress(held, px, py)
+    # The start of a long arc lies beyond its end as well.
+    turn = 2.0 * np.pi * held.radius
+    every = [t] if not (turn > 0).any() else [t, t + turn, t - turn]
+    # Of a tiny arc most is near its ends, and all the same elsewhere.
+    beside = np.where(held.turn != 0, np.minimum(0.1 * held.length, 2 * NEAR), 2 * NEAR)
+    found, offs, rooms = [], [], []
+    for k, one in enumerate(every):
+        fits = (one >= -NEAR) & (one <= held.length + NEAR) if k else np.ones(len(one), bool)
+        found.append((np.clip(one, 0.0, held.length) + starts)[fits])
+        offs.append(d[fits])
+        rooms.append(beside[fits])
+    tx, t_off = [], []
+    for vertex, vx, vy in ((starts, held.ax, held.ay), (ends, held.bx, held.by)):
+        away = np.hypot(vx - px, vy - py)
+        tx.append(vertex[away <= NEAR])
+        t_off.append(away[away <= NEAR])
+    vertices = np.concatenate(tx)
+    feet, off = np.concatenate(found), np.concatenate(offs)
+    if len(vertices):  # feet beside a vertex are that vertex
+        free = np.abs(feet[:, None] - vertices).min(axis=1) > np.concatenate(rooms)
+        feet, off = feet[free], off[free]
+    return np.concatenate([feet, vertices]), np.concatenate([off, *t_off])

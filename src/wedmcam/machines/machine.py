@@ -19,7 +19,7 @@ class Limits:
 
     Attributes:
         count_um: count length J of one block.
-        line_um: |x| and |y| of one line or move.
+        line_um: |x| and |y| of one line, and of one move that is no G00 (`Machine.move_um`).
         arc_um: |x| and |y| of an arc's start from its centre. A radius up to this fits wherever
             the arc starts; a compact controller refuses a larger radius.
         memory_bytes: bytes of a binary program, end byte included; 0 for no limit.
@@ -227,6 +227,11 @@ class Machine:
         from wedmcam.controllers import stepping_of
 
         return stepping_of(self.format, self.table)
+
+    @property
+    def move_um(self) -> int | None:
+        """|x| and |y| of one move between two cuts; None for any: G00 is no block that counts."""
+        return None if self.format == "iso" and self.iso.rapid else self.limits.line_um
 
     @property
     def own_stepping(self) -> Stepping:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, note
+from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors, note
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
 from wedmcam.targets.entries import Entries
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 #: How often other places of the grid are tried where the path would stray too far.
 ROUNDS = 12
+
+#: What helps where the controller cannot offset an outline.
+OTHER = "a profile that states the path itself (iso-um, iso-mm), or another offset"
 
 #: What was chosen for a motion: a row of `transforms.outlines.Written.chosen`.
 Choice = tuple[int, int, int, int]
@@ -181,7 +184,27 @@ def encode(
         for n in sorted({choice[0] for choice in strays}):
             kept += writer.settled(plan, n, [c for c in strays if c[0] == n])
         data, more, _ = writer.tried(plan, kept)
+    if data and not has_errors(more):
+        more = [*more, *_lost(data, plan, machine, table)]
     return data, [*found, *more]
+
+
+def _lost(data: bytes, plan: Plan, machine: Machine, table: dict[int, float]) -> list[Diagnostic]:
+    """Return errors where the controller makes no path of its outlines.
+
+    An arc of the radius of the offset, a wall as long as a corner is deep: the shifted blocks of
+    the written outline do not meet, whatever the exact ones do.
+    """
+    program, found = decode(data, machine, "program", table.get)
+    if not has_errors(found):
+        return _torn(program, plan, machine)
+    x, y = plan.cuts[0].thread
+    place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
+    return [
+        replace(d, message=f"{d.message}; the program starts at {place}", span=None, hint=OTHER)
+        for d in found
+        if d.severity is Severity.ERROR
+    ]
 
 
 class _Writer:
@@ -232,6 +255,37 @@ class _Writer:
         return [(number, *choice[1:]) for choice in best]
 
 
+def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
+    """Return errors for cuts that end beside their start.
+
+    Where a path starts, and where it pauses, one segment of the outline is written as two. On the
+    grid these have two directions; of a short one the offset turns that into a step or more.
+    """
+    from wedmcam.programs.places import block_ends
+
+    starts, ends = block_ends(program, machine)
+    kind = program.blocks["kind"]
+    cutting = kind < Kind.MOVE
+    group = np.cumsum(kind == Kind.MOVE)
+    of = [np.flatnonzero(cutting & (group == g)) for g in np.unique(group[cutting])]
+    if len(of) != len(plan.cuts):
+        return []  # a cut begins where the one before it was threaded
+    found = []
+    for rows, cut in zip(of, plan.cuts, strict=True):
+        apart = np.hypot(*(starts[rows[-1]] - ends[rows[0]])) if cut.path.closed else 0.0
+        if apart > 0:
+            x, y = (float(cut.path.vertices[k][0]) / 1000 for k in ("x", "y"))
+            text = (
+                f"the controller's path from ({x:.3f}, {y:.3f}) mm ends {apart / 1000:.4f} mm "
+                "beside its start: both are rounded to its grid"
+            )
+            hint = f"another thread point or --stop, or {OTHER}"
+            found.append(
+                error("not-reachable", text, cut.path.source_of(0), points_mm=((x, y),), hint=hint)
+            )
+    return found
+
+
 def _strays(
     data: bytes, made: Written, plan: Plan, machine: Machine, table: dict[int, float]
 ) -> list[Choice]:
@@ -249,7 +303,13 @@ def _strays(
         if mark >= 0 and isinstance(span, TextSpan)
     }
     placed = replace(program, origin=plan.cuts[0].thread)
-    verdict, found = judge(placed, plan, stepping=machine.stepping, limits=machine.limits)
+    verdict, found = judge(
+        placed,
+        plan,
+        stepping=machine.stepping,
+        limits=machine.limits,
+        free_moves=machine.move_um is None,
+    )
     if not has_errors(found):
         return []
     t = verdict.table

@@ -81,7 +81,28 @@ class Scaled(Stated):
             return None, found
         grows = gap.grown(plan, program)
         data, more = self._encoded(program, grown=grows, **_stated(entries))
+        if data and not has_errors(more):
+            more = [*more, *self._torn(data, plan, entries)]
         return data, [*found, *more]
+
+    def _torn(self, data: bytes, plan: Plan, entries: Entries) -> list[Diagnostic]:
+        """Return errors where the written outline is not tangent enough for the controller.
+
+        Exact joints are (`gap.corners`); rounded to the grid, blocks of a few um are not.
+        """
+        _, found = self.read(data, "program", entries)
+        x, y = plan.cuts[0].thread
+        place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
+        return [
+            replace(
+                d,
+                message=f"{d.message}, in the program that starts at {place}",
+                span=None,
+                hint=f"another --corner or gap, or --to {self.instead}",
+            )
+            for d in found
+            if d.severity is Severity.ERROR
+        ]
 
     def read(
         self, data: bytes, file: str, entries: Entries

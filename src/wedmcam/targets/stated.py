@@ -105,6 +105,7 @@ class Stated:
             square_axis=self.square_axis,
             count_um=limits.count_um,
             line_um=limits.line_um,
+            move_um=self.machine.move_um,
             arc_um=limits.arc_um,
             textbook=textbook,
             step_um=self.machine.axes.step_um,

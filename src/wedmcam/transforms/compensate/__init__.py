@@ -19,12 +19,10 @@ from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, Span, error
-from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Ints
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.compensate.coordinates import node_points, rounded
 from wedmcam.transforms.compensate.interference import (
-    NEGLIGIBLE_UM,
     Interference,
     find_interference,
 )
@@ -33,10 +31,7 @@ from wedmcam.transforms.compensate.regular import regular_paths
 from wedmcam.transforms.compensate.resolve import Limits, Loops, resolve
 from wedmcam.transforms.compensate.untangle import untangled
 
-__all__ = ["Compensated", "Interference", "WirePath", "compensate", "largest_offset"]
-
-#: The first offset that the search for the largest one tries; um.
-STEP_UM = 60.0
+__all__ = ["Compensated", "Interference", "WirePath", "compensate"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,72 +363,3 @@ def _of_several(
         part["source"][rows] += len(sources)
         sources += outlines[k].sources
     return tuple(sources)
-
-
-def largest_offset(
-    outlines: Sequence[Contour], signs: Sequence[float], limit_um: float = 8000.0
-) -> tuple[float, Interference | None]:
-    """Return the largest offset (um) without interference, and what limits it.
-
-    Looks at fillets, necks and slots, not at sharp corners. The result is within 0.05 um below the
-    true limit; ``limit_um`` with None when nothing limits the offset up to there.
-
-    Args:
-        outlines: closed contours.
-        signs: +1 where the wire runs to the left of the outline, -1 to the right.
-        limit_um: where to stop looking.
-    """
-
-    def trouble(offset: float) -> Interference | None:
-        result, problems = compensate(outlines, [offset * s for s in signs])
-        if problems:
-            return Interference("unresolved", (0.0, 0.0), 0, 0, (), 0.0)
-        return result.interference[0] if result.interference else None
-
-    if not outlines:
-        return limit_um, None
-    # No inside radius may be smaller than the offset, so few offsets above the least are tried.
-    limit = _least_inside_radius(outlines, signs)
-    if limit is not None and limit.size >= limit_um:
-        limit = None
-    top = limit_um if limit is None else limit.size
-    low, high, worst = 0.0, top, None
-    step = min(top, STEP_UM)
-    while worst is None:  # small offsets cross little, so they are fast
-        worst = trouble(step)
-        if worst is None:
-            if step >= top:
-                low = top
-                break
-            low, step = step, min(top, 4.0 * step)
-        else:
-            high = step
-    if worst is None:
-        return (limit_um, None) if limit is None else (top, limit)
-    while high - low > 0.02:
-        middle = 0.5 * (low + high)
-        found = trouble(middle)
-        if found is None:
-            low = middle
-        else:
-            high, worst = middle, found
-    return low, worst
-
-
-def _least_inside_radius(
-    outlines: Sequence[Contour], signs: Sequence[float]
-) -> Interference | None:
-    best: Interference | None = None
-    for number, (contour, sign) in enumerate(zip(outlines, signs, strict=True)):
-        s = seg.of_rows(contour.starts, contour.ends)
-        # Only what is long enough to count when it is left out.
-        inside = np.flatnonzero((s.turn * sign > 0) & (s.length > NEGLIGIBLE_UM))
-        if not len(inside):
-            continue
-        k = int(inside[np.argmin(s.radius[inside])])
-        if best is None or s.radius[k] < best.size:
-            x, y = seg.points_at(s.take(inside[:1] * 0 + k), 0.5 * s.length[k : k + 1])
-            best = Interference(
-                "radius", (float(x[0]), float(y[0])), number, k, (k,), float(s.radius[k])
-            )
-    return best

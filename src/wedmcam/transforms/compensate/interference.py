@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.geom import pairs
+from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms.compensate.corner import is_inner_corner
@@ -29,6 +31,8 @@ Bools = NDArray[np.bool_]
 NEGLIGIBLE_UM = 2.0
 #: A shifted radius up to this is a corner: half a step of the machine; um.
 CORNER_UM = 0.5
+#: So many left-out segments are looked at one by one: of more some are lost for certain.
+MANY = 2000
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +60,8 @@ class Interference:
 class _Reach:
     """Which drawn segments the path reaches, and stretches of those that it does not."""
 
-    def __init__(self, source: Source, raw: Raw, element: Ints) -> None:
+    def __init__(self, source: Source, raw: Raw, found: Loops, pieces: Ints) -> None:
+        element = found.element[pieces]
         s, n = source.segments, len(source.contour)
         self.source = source
         self.offset = np.abs(source.shift)
@@ -68,7 +73,12 @@ class _Reach:
         v = raw.vanished
         radius = np.abs(s.radius[v] - source.shift[v] * s.turn[v])
         chord = 2 * radius * np.sin(np.minimum(s.sweep[v], np.pi) / 2)
-        lost[v[(radius <= CORNER_UM) | (chord <= CORNER_UM)]] = False
+        v = v[lost[v] & ((radius <= CORNER_UM) | (chord <= CORNER_UM))]
+        node = found.node0[pieces]
+        lost[v[_met(s.cx[v], s.cy[v], found.node_x[node], found.node_y[node])]] = False
+        beside = np.flatnonzero(lost & ~self.inside)
+        if 0 < len(beside) <= MANY:
+            lost[beside[_beside(source, raw, found, pieces, beside)]] = False
         #: Left out, and not negligibly.
         self.lost = lost
         #: First row of each contour and how many there are, for walks round it.
@@ -114,6 +124,40 @@ class _Reach:
         return result[0], result[1]
 
 
+def _met(cx: Floats, cy: Floats, x: Floats, y: Floats) -> Bools:
+    """Return which centres a path with these vertices meets.
+
+    In a corner the path passes the centre of an arc that shrank to nothing. Where it does not, it
+    never came there: an arc of more than half a turn lies behind a mouth narrower than the wire.
+    """
+    met = np.zeros(len(cx), bool)
+    near = pairs.grown((x, y, x, y), NEGLIGIBLE_UM)
+    i, j = pairs.overlapping((cx, cy, cx, cy), near)
+    met[i[np.hypot(cx[i] - x[j], cy[i] - y[j]) <= NEGLIGIBLE_UM]] = True
+    return met
+
+
+def _beside(source: Source, raw: Raw, found: Loops, pieces: Ints, rows: Ints) -> Bools:
+    """Return which segments the wire passes as near as if it reached them.
+
+    Of a round hole drawn as a polygon many sides are left out near its radius, because neighbours
+    are some nanometres nearer to the centre; nothing is lost there.
+    """
+    s = source.segments.take(rows)
+    x, y = seg.points_at(s, 0.5 * s.length)
+    wanted = np.abs(source.shift[rows]) + CORNER_UM
+    path = raw.elements.take(found.element[pieces])
+    at0, at1 = found.at0[pieces], found.at1[pieces]
+    i, j = pairs.overlapping(
+        (x - wanted, y - wanted, x + wanted, y + wanted), pairs.grown(seg.boxes(path), 0.0)
+    )
+    e = path.take(j)
+    px, py = seg.points_at(e, np.clip(seg.position_of(e, x[i], y[i]), at0[j], at1[j]))
+    result = np.zeros(len(rows), bool)
+    result[i[np.hypot(px - x[i], py - y[i]) <= wanted[i]]] = True
+    return result
+
+
 def find_interference(
     outlines: Sequence[Contour],
     source: Source,
@@ -133,7 +177,7 @@ def find_interference(
     n = len(source.contour)
     if found.whole and len(runs) == len(outlines):
         return ()
-    reach = _Reach(source, raw, element)
+    reach = _Reach(source, raw, found, pieces)
     size = np.array([len(k) for k in runs], np.int64)
     last = np.cumsum(size) - 1
     nxt: Ints = np.append(element[1:], -1)

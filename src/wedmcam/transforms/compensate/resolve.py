@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from wedmcam.geom import crossings, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints
+from wedmcam.transforms.compensate import overrun
 from wedmcam.transforms.compensate.raw import Raw, Source
 from wedmcam.transforms.compensate.untangle import on_free_side
 
@@ -24,12 +25,19 @@ from wedmcam.transforms.compensate.untangle import on_free_side
 NODE_UM = 2e-3
 #: Loops thinner than this (area over length) are no cut; um.
 SLIVER_UM = 0.01
+#: A loop that is nowhere wider than this is no cut: on the grid of the machine little more than
+#: one place would be left of it; um.
+STEP_UM = 1.5
+#: Longer loops are wider; um.
+SHORT_UM = 8.0 * STEP_UM
 #: Pieces of opposite direction this near to each other are the two walls of one slot; um.
 BESIDE_UM = 0.02
 #: Crossings this near to the point at which two neighbours are joined anyway are that point; um.
 JOINT_UM = 1.0
 #: A piece that is clear of everything and longer than this must not get lost; um.
 LOST_UM = 0.1
+#: So many pieces to an element are many: most of them are too near to the drawing.
+CROWDED = 4
 #: How many pairs of a point and a segment are looked at at once: some 100 MB.
 POINT_PAIRS = 500_000
 
@@ -113,7 +121,9 @@ def resolve(source: Source, raw: Raw, limits: Limits) -> Loops:
     x = np.concatenate([e.x1, e.x0])
     y = np.concatenate([e.y1, e.y0])
 
-    c = _crossings(raw)
+    certain = limits.near + 2.0 * NODE_UM
+    left_low, left_high = overrun.left_over(source, raw, certain)
+    c = _crossings(raw, left_low, left_high)
     if len(c.i) == 0 and len(joined) == n and not len(raw.vanished):
         return _whole(source, raw, starts, ends, x, y)
 
@@ -136,7 +146,15 @@ def resolve(source: Source, raw: Raw, limits: Limits) -> Loops:
     real &= (node[:-1] != node[1:]) | (at[1:] - at[:-1] > JOINT_UM)
     k = np.flatnonzero(real)
     element, at0, at1, node0, node1 = of[k], at[k], at[k + 1], node[k], node[k + 1]
-    clear = _clearance(source, raw, element, 0.5 * (at0 + at1))
+    middle = 0.5 * (at0 + at1)
+    clear = np.full(len(element), -2.0 * certain - 4.0 * float(raw.slack.max(initial=0.0)))
+    free = np.flatnonzero((middle >= left_low[element]) & (middle <= left_high[element]))
+    if len(free) > CROWDED * n:
+        of = raw.source[element[free]]
+        near = overrun.near_family(source, of, *seg.points_at(e.take(element[free]), middle[free]))
+        slack = limits.near + 2.0 * raw.slack[element[free]]
+        free = free[near >= np.abs(source.shift[of]) - slack]
+    clear[free] = _clearance(source, raw, element[free], middle[free])
     kept = clear >= -limits.near - 2.0 * raw.slack[element]
     p = _Pieces(element, at0, at1, node0, node1, clear).take(kept)
 
@@ -267,10 +285,17 @@ def _whole(source: Source, raw: Raw, starts: Ints, ends: Ints, x: Floats, y: Flo
     return _without_slivers(source, raw, found)
 
 
-def _crossings(raw: Raw) -> crossings.Crossings:
-    """Return all crossings of elements, but for the joints of neighbours with themselves."""
+_CROSSING = ("i", "j", "at_i", "at_j", "x", "y")
+
+
+def _crossings(raw: Raw, low: Floats, high: Floats) -> crossings.Crossings:
+    """Return the crossings of elements between low and high.
+
+    The joints of neighbours with themselves are none.
+    """
     e = raw.elements
-    i, j = pairs.self_overlapping(pairs.grown(seg.boxes(e), crossings.REACH))
+    kept, boxes = overrun.boxes(e, low, high)
+    i, j = (kept[k] for k in pairs.self_overlapping(pairs.grown(boxes, crossings.REACH)))
     after = raw.joined[i] & (raw.following[i] == j)
     before = raw.joined[j] & (raw.following[j] == i)
     neighbours = after | before
@@ -279,6 +304,9 @@ def _crossings(raw: Raw) -> crossings.Crossings:
     far = ~neighbours | (e.sweep[i] + e.sweep[j] + 2.0 * bend > 3.0)
     i, j = i[far], j[far]
     c = crossings.between(e, i, j)
+    inside = (c.at_i >= low[c.i]) & (c.at_i <= high[c.i])
+    inside &= (c.at_j >= low[c.j]) & (c.at_j <= high[c.j])
+    c = crossings.Crossings(*(getattr(c, name)[inside] for name in _CROSSING))
     after = raw.joined[c.i] & (raw.following[c.i] == c.j)
     before = raw.joined[c.j] & (raw.following[c.j] == c.i)
     if not (after.any() or before.any()):
@@ -473,15 +501,21 @@ def _choose(
 
 
 def _without_slivers(source: Source, raw: Raw, found: Loops) -> Loops:
-    """Drop loops without a width: coincident walls run along once in each direction."""
+    """Drop loops without a width.
+
+    Coincident walls run along once in each direction; a hole a hair wider than the wire leaves its
+    centre a loop of less than a step.
+    """
     keep: list[Ints] = []
     closed: list[bool] = []
     areas, lengths = _areas_and_lengths(raw, found)
-    for loop, is_closed, area, length in zip(
-        found.loops, found.closed, areas, lengths, strict=True
+    short = [k for k, length in enumerate(lengths) if length < SHORT_UM]
+    small = _too_small(raw, found, short)
+    for k, (loop, is_closed, area, length) in enumerate(
+        zip(found.loops, found.closed, areas, lengths, strict=True)
     ):
         if is_closed:
-            if abs(area) < SLIVER_UM * length:
+            if abs(area) < SLIVER_UM * length or k in small:
                 continue
             element = found.element[loop]
             if not found.whole and raw.transition[element].all():
@@ -493,6 +527,21 @@ def _without_slivers(source: Source, raw: Raw, found: Loops) -> Loops:
         found.areas.append(area if is_closed else 0.0)
     whole = found.whole and len(keep) == len(found.loops)
     return replace(found, loops=keep, closed=closed, whole=whole)
+
+
+def _too_small(raw: Raw, found: Loops, which: list[int]) -> set[int]:
+    """Return which loops are nowhere wider than a step, by the boxes of a few of their places."""
+    small: set[int] = set()
+    for number in which:
+        loop = found.loops[number]
+        e, at0, at1 = raw.elements.take(found.element[loop]), found.at0[loop], found.at1[loop]
+        places = [seg.points_at(e, at0 + share * (at1 - at0)) for share in (0.0, 0.25, 0.5, 0.75)]
+        if (
+            max(float(np.ptp(each)) for each in map(np.concatenate, zip(*places, strict=True)))
+            < STEP_UM
+        ):
+            small.add(number)
+    return small
 
 
 def _areas_and_lengths(raw: Raw, found: Loops) -> tuple[list[float], list[float]]:

@@ -19,8 +19,9 @@ from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
-from wedmcam.ir.plan import Cut, Plan
+from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
+from wedmcam.transforms.lower import moves
 from wedmcam.transforms.lower.course import Course, lay_out
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
 from wedmcam.transforms.lower.repair import best_chain
@@ -39,6 +40,8 @@ MOVED_UM = 1.05
 NEIGHBOURS = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
 #: Arcs shorter than this are not split further; um.
 SHORTEST_UM = 4.0
+#: Arcs of a larger sweep are split in four (radians).
+WIDE = 3.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +55,7 @@ class Rules:
         count_um: largest J. line_um: largest line component. arc_um: largest arc coordinate and
             radius.
         textbook: J by geometry, for controllers that recompute the ends of arcs.
+        move_um: largest |x| and |y| of a move between two cuts; None for any.
         step_um: how far a step moves the machine. The limits above count steps.
     """
 
@@ -60,6 +64,7 @@ class Rules:
     square_axis: Axis = Axis.SQUARE
     count_um: int = 999_999
     line_um: int = 999_999
+    move_um: int | None = 999_999
     arc_um: int = 999_999
     textbook: bool = False
     step_um: float = 1.0
@@ -484,7 +489,8 @@ def _pair_costs(
 def _split(s: _State, bad: Ints) -> None:
     """Split failed arcs in two, whole turns in four; what is too short becomes a line."""
     _, sweep = _sweeps(s, bad)
-    short = s.radius[bad] * sweep < SHORTEST_UM
+    # A whole turn as a line would be nothing at all.
+    short = (s.radius[bad] * sweep < SHORTEST_UM) & (sweep <= WIDE)
     s.done[bad[short]] = 2
     bad, sweep = bad[~short], sweep[~short]
     if len(bad):
@@ -495,7 +501,7 @@ def _split(s: _State, bad: Ints) -> None:
         ends = np.isin(s.v0, s.v1[bad]) | np.isin(s.v1, s.v0[bad])
         again = ends & (s.turn != 0)
         s.done[again] = -1
-        pieces = np.where(sweep > 3.5, 4, 2)
+        pieces = np.where(sweep > WIDE, 4, 2)
         _replace(s, bad, pieces, chords=False)
 
 
@@ -535,17 +541,17 @@ def _blocks(
         if index:
             before = plan.cuts[index - 1]
             parts.append(_control(Kind.PAUSE))
-            here = before.thread if before.path.closed else _last_point(before)
+            here = moves.end_of(before)
             mx, my = cut.thread[0] - here[0], cut.thread[1] - here[1]
-            if max(abs(mx), abs(my)) > rules.line_um:
+            if rules.move_um is not None and max(abs(mx), abs(my)) > rules.move_um:
                 found.append(
                     error(
                         "move-too-long",
                         f"the move from ({here[0] / per:.3f}, {here[1] / per:.3f}) to the thread "
                         f"point ({cut.thread[0] / per:.3f}, {cut.thread[1] / per:.3f}) mm is "
-                        f"longer than one block of {rules.line_um / per:.3f} mm",
+                        f"longer than one block of {rules.move_um / per:.3f} mm",
                         cut.path.source_of(0),
-                        hint="another --order, or thread points nearer to each other",
+                        hint=moves.cure(plan, rules.move_um),
                     )
                 )
             if mx or my:
@@ -568,12 +574,6 @@ def _blocks(
         Program(np.concatenate(parts), start, tuple(course.sources), step_um=rules.step_um),
         found,
     )
-
-
-def _last_point(cut: Cut) -> tuple[int, int]:
-    v = cut.path.vertices
-    x, y = to_grid([v["x"][-1], v["y"][-1]]).tolist()
-    return x, y
 
 
 def _control(kind: Kind) -> NDArray[np.void]:

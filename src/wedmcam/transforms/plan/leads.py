@@ -34,6 +34,12 @@ TIE_UM = 1e-3
 CLEAR = 0.25
 #: A lead that is so near to its own path has arrived, um: what it meets there lies in one kerf.
 ARRIVES_UM = 10.0
+#: A lead has left the segments that meet where it starts, um.
+LEAVES_UM = 1.0
+#: What is nearer than this touches, um.
+LEAST_UM = 1e-3
+#: Ends of segments are known to some nanometres: shorter ones may run anywhere, um.
+NOISE_UM = 0.05
 #: How often a lead is halved that would end too near to another wall.
 HALVED = 8
 
@@ -150,6 +156,11 @@ class _Scene:
 
     def hits(self, lines: Segments) -> tuple[Ints, Ints, Floats]:
         """Return (line, path, distance along the line) of all crossings of lines with paths."""
+        i, segment, at = self.met(lines)
+        return i, self.owner[segment], at
+
+    def met(self, lines: Segments) -> tuple[Ints, Ints, Floats]:
+        """Return (line, segment of a path, distance along the line) of all crossings."""
         i, j = pairs.overlapping(pairs.grown(seg.boxes(lines), 1e-3), self.boxes)
         both = Segments(
             *(
@@ -158,7 +169,7 @@ class _Scene:
             )
         )
         c = crossings.between(both, i, j + len(lines))
-        return c.i, self.owner[c.j - len(lines)], c.at_i
+        return c.i, c.j - len(lines), c.at_i
 
 
 # --- which path a thread point serves ------------------------------------------------------------
@@ -271,9 +282,8 @@ def rotated(path: Contour, s: Segments, row: int, at: float, snap_um: float = VE
         if min(at, length - at) > 1e-6:
             rows["x"], rows["y"] = x, y
         return Contour(rows, True, path.sources)
-    snap = min(snap_um, 0.25 * length)
-    if at <= snap or at >= length - snap:
-        first = row if at <= snap else (row + 1) % n
+    if min(at, length - at) <= snap_um:
+        first = row if at <= 0.5 * length else (row + 1) % n
         return Contour(np.roll(v, -first), True, path.sources)
     px, py = seg.points_at(s.take(np.array([row])), np.array([at]))
     rows = np.empty(n + 1, VERTEX)
@@ -346,8 +356,10 @@ def _chosen(
 def _ray(number: int, path: Contour, left: bool) -> _Ray:
     """Return the direction that halves the angle of scrap at the start of a closed path."""
     s = seg.of_rows(path.starts, path.ends)
-    ix, iy = (float(c[-1]) for c in seg.end_tangents(s))
-    ox, oy = (float(c[0]) for c in seg.start_tangents(s))
+    # What is shorter than the noise of its ends has no direction.
+    known = np.flatnonzero(s.length >= min(NOISE_UM, float(s.length.max())))
+    ix, iy = (float(c[known[-1]]) for c in seg.end_tangents(s))
+    ox, oy = (float(c[known[0]]) for c in seg.start_tangents(s))
     # From the first segment's normal by half the turn of the corner; exact where there is none.
     back = -0.5 * float(np.arctan2(ix * oy - iy * ox, ix * ox + iy * oy))
     back = 0.0 if abs(back) < 1e-9 else back
@@ -431,14 +443,20 @@ _RAY = ("x", "y", "nx", "ny")
 
 
 def _free(scene: _Scene, rays: Sequence[_Ray], reach: Floats) -> Floats:
-    """Return how far each ray runs until it meets a path, at most its ``reach``."""
-    start = np.minimum(1.0, 0.01 * reach)  # the path that a ray leaves is not met
+    """Return how far each ray runs until it meets a path, at most its ``reach``.
+
+    What meets at its own start is not met: the segments next to it, within `LEAVES_UM`.
+    """
+    start = np.minimum(LEAST_UM, 0.01 * reach)
     x, y, nx, ny = (np.array([getattr(ray, k) for ray in rays], float) for k in _RAY)
     free = reach.copy()
     if len(rays) and (reach > 0).any():
         lines = _lines(x + nx * start, y + ny * start, x + nx * reach, y + ny * reach)
-        i, _, at = scene.hits(lines)
-        np.minimum.at(free, i, at + start[i])
+        i, segment, at = scene.met(lines)
+        own = scene.owner[segment] == np.array([ray.number for ray in rays])[i]
+        beside = seg.distances(scene.segments.take(segment), x[i], y[i]) < LEAST_UM
+        met = ~(own & beside & (at < LEAVES_UM))
+        np.minimum.at(free, i[met], (at + start[i])[met])
     return free
 
 

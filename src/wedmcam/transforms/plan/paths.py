@@ -15,7 +15,8 @@ from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.options import Options
-from wedmcam.transforms.compensate import Interference, compensate, largest_offset
+from wedmcam.transforms.compensate import Interference, compensate
+from wedmcam.transforms.compensate.largest import largest_offset
 from wedmcam.transforms.plan.pieces import Piece
 from wedmcam.transforms.plan.scenes import PieceScene
 from wedmcam.transforms.plan.shaped import ShapedCut
@@ -129,8 +130,11 @@ def interference(
         contour = contours[item.outline]
         if item.outline not in hints:
             sign = float(np.sign(shifts[item.outline]))
-            most, _ = largest_offset([contour], [sign], 1000.0 * offset)
-            hints[item.outline] = f"at most {most / 1000:.3f} mm fits this contour"
+            most = largest_offset([contour], [sign], 1000.0 * offset).nearest_um
+            fits = not compensate([contour], [sign * most])[0].interference
+            hints[item.outline] = (
+                f"{'at most' if fits else 'less than'} {most / 1000:.3f} mm fits this contour"
+            )
             if not trim:
                 hints[item.outline] += "; --on-interference trim cuts what the wire can reach"
         x, y = item.at[0] / 1000, item.at[1] / 1000

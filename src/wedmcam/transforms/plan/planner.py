@@ -14,7 +14,7 @@ from wedmcam.transforms.plan.leads import Threaded, across
 from wedmcam.transforms.plan.material import thin_material
 from wedmcam.transforms.plan.paths import planned_paths
 from wedmcam.transforms.plan.pieces import Piece, pieces_of
-from wedmcam.transforms.plan.scenes import scenes_of
+from wedmcam.transforms.plan.scenes import PieceScene, scenes_of
 from wedmcam.transforms.plan.shaped import ShapedCut
 from wedmcam.transforms.plan.wording import Wording
 
@@ -30,23 +30,9 @@ def plan_cuts(
         ar: the arithmetic of the formulas.
         words: of the source.
     """
-    found: list[Diagnostic] = []
-    pieces: list[Piece] = []
     used = Used()
-    for number, cut in enumerate(asked):
-        own, problems = pieces_of(number, cut, options, ar, used)
-        pieces += own
-        found += problems
-    if has_errors(found):
-        return None, found
-    scenes, problems = scenes_of(asked, pieces)
-    found += problems
-    if has_errors(found):
-        return None, found
-    for plate in sorted({scene.plate for scene in scenes}):
-        on_plate = [scene for scene in scenes if scene.plate == plate]
-        found += thin_material(on_plate, options.thin_wall_um)
-    if has_errors(found):
+    scenes, found = scenes_to_cut(asked, options, ar, used)
+    if scenes is None:
         return None, found
     cuts: list[tuple[int, Cut]] = []
     planned: list[Scene] = []
@@ -79,3 +65,27 @@ def plan_cuts(
     if not asked[0].of_drawing:  # a drawing states no order, its scenes are in theirs
         cuts.sort(key=lambda numbered: numbered[0])
     return Plan(tuple(cut for _, cut in cuts), tuple(planned)), found
+
+
+def scenes_to_cut(
+    asked: Sequence[ShapedCut], options: Options, ar: Arithmetic, used: Used
+) -> tuple[list[PieceScene] | None, list[Diagnostic]]:
+    """Return what makes one part each; None where contours cross or leave no wall."""
+    found: list[Diagnostic] = []
+    pieces: list[Piece] = []
+    for number, cut in enumerate(asked):
+        own, problems = pieces_of(number, cut, options, ar, used)
+        pieces += own
+        found += problems
+    if has_errors(found):
+        return None, found
+    scenes, problems = scenes_of(asked, pieces)
+    found += problems
+    if has_errors(found):
+        return None, found
+    for plate in sorted({scene.plate for scene in scenes}):
+        on_plate = [scene for scene in scenes if scene.plate == plate]
+        found += thin_material(on_plate, options.thin_wall_um)
+    if has_errors(found):
+        return None, found
+    return scenes, found

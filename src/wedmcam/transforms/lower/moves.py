@@ -1,0 +1,77 @@
+"""Moves between two cuts, and what helps where one does not fit a block.
+
+A move is one block of 3B and of what is like it: two in a row would be cut. Contours may be cut in
+any order but for one rule, so whether another order can help is a question of reach: a contour
+comes after all that it encloses, and leads from none of those to another.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.geom import measure
+from wedmcam.geom.quantize import to_grid
+from wedmcam.ir.plan import Cut, Plan
+
+#: What takes a move of any length.
+FREE = "--to iso --profile iso-mm moves with G00, of any length"
+
+
+def end_of(cut: Cut) -> tuple[int, int]:
+    """Return where the wire is after a cut, whole steps."""
+    if cut.path.closed:
+        return cut.thread
+    v = cut.path.vertices
+    x, y = to_grid([v["x"][-1], v["y"][-1]]).tolist()
+    return x, y
+
+
+def cure(plan: Plan, most: int) -> str:
+    """Return what helps where a move is longer than ``most`` steps on an axis."""
+    starts = np.array([cut.thread for cut in plan.cuts], float).reshape(-1, 2)
+    ends = np.array([end_of(cut) for cut in plan.cuts], float).reshape(-1, 2)
+    reach = np.abs(ends[:, None, :] - starts[None, :, :]).max(axis=2) <= most
+    reach |= reach.T
+    if _connected(reach, plan):
+        return f"another --order may help; {FREE}"
+    return (
+        f"no --order helps: some contours are farther than a block from all that may be cut before "
+        f"and after them; {FREE}, or a program for each group (--cuts)"
+    )
+
+
+def _connected(reach: NDArray[np.bool_], plan: Plan) -> bool:
+    """Return whether an order may lead from each contour to all others.
+
+    Not through a contour to what it encloses.
+    """
+    boxes = measure.extents_of_all([(cut.path.vertices, cut.path.closed) for cut in plan.cuts])
+    low = np.asarray((boxes[:, None, :2] <= boxes[None, :, :2]).all(axis=2))
+    high = np.asarray((boxes[:, None, 2:] >= boxes[None, :, 2:]).all(axis=2))
+    encloses: NDArray[np.bool_] = np.logical_and(low, high)
+    np.fill_diagonal(encloses, False)
+    closed = np.array([cut.path.closed for cut in plan.cuts])
+    encloses &= closed[:, None]
+    if len(set(_parts(reach, np.ones(len(reach), bool)).tolist())) > 1:
+        return False
+    for inner in encloses:
+        if inner.sum() > 1:
+            through: NDArray[np.bool_] = np.logical_not(encloses[:, inner].any(axis=1))
+            parts = _parts(reach, through)
+            if len(set(parts[inner].tolist())) > 1:
+                return False
+    return True
+
+
+def _parts(reach: NDArray[np.bool_], through: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return for each cut a number that it shares with all that are in reach over ``through``."""
+    part = np.where(through, np.arange(len(reach)), -1)
+    near = reach & through[:, None] & through[None, :]
+    np.fill_diagonal(near, through)
+    while True:
+        least = np.where(near, part[None, :], len(reach)).min(axis=1)
+        new = np.where(through, np.minimum(part, least), -1)
+        if (new == part).all():
+            return part
+        part = new

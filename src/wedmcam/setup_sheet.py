@@ -75,7 +75,7 @@ def sheet(
         ("program's SHA-256", made.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
-        ("wire, gap", _wire(wire_um, gap_um)),
+        ("wire, gap", _wire(wire_um, gap_um, made.options.clearance_um)),
         ("offset, side", f"{made.plan.offsets_text}, {v.side}"),
         *((f"offset {d}, to be entered", um) for d, um in entered),
         ("direction", ", ".join(f"{n} {way}" for way, n in ways.items())),
@@ -122,11 +122,14 @@ def sheet(
     ]  # fmt: skip
 
 
-def _wire(wire_um: float | None, gap_um: float | None) -> str:
+def _wire(wire_um: float | None, gap_um: float | None, clearance_um: float) -> str:
     if wire_um is None or gap_um is None:
         return "not stated; the offset holds half the wire and the gap"
     wire, gap = wire_um / 1000, gap_um / 1000
-    return f"wire {wire:.3f} mm, gap {gap:.3f} mm: offset {wire / 2 + gap:.3f} mm = wire / 2 + gap"
+    return (
+        f"wire {wire:.3f} mm, gap {gap:.3f} mm: offset {wire / 2 + gap:.3f} mm = wire / 2 + gap"
+        + (f", less the clearance {clearance_um / 1000:.3f} mm" if clearance_um else "")
+    )
 
 
 def _loose(made: Compilation, zero: tuple[float, float]) -> Table | str:

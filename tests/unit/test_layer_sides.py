@@ -268,3 +268,35 @@ def test_every_clearance_keeps_the_wire_from_what_is_kept():
         punch = found[0, Side.PART] - 2 * 0.11
         die = found[40, Side.DIE] + 2 * 0.11
         assert (die - punch) / 2 == pytest.approx(clearance, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("wall", "severity"), [(0.03, "ERROR"), (0.06, "ERROR"), (0.09, "WARNING"), (0.3, None)]
+)
+def test_a_wall_that_the_clearance_takes(wall, severity):
+    def draw(_, m):
+        rectangle(m, "DIE", 0, 0)
+        rectangle(m, "DIE", 20 + wall, 0)
+
+    made = wedmcam.compile(drawing(draw), name="w.dxf", offset=0.11, side="die", clearance=0.03)
+    found = {(d.code, d.severity.name) for d in made.findings if d.severity.name != "NOTE"}
+    assert found == ({("thin-wall", severity)} if severity else set())
+    assert made.ok == (severity != "ERROR")
+
+
+def test_a_fin_that_the_clearance_takes():
+    def draw(_, m):
+        fin = [(0, 0), (10, 0), (10, 5), (10.05, 5), (10.05, 0), (20, 0), (20, 10), (0, 10)]
+        m.add_lwpolyline(fin, close=True)
+
+    made = wedmcam.compile(drawing(draw), name="f.dxf", offset=0.11, side="die", clearance=0.03)
+    assert ("thin-wall", "ERROR") in {(d.code, d.severity.name) for d in made.findings}
+
+
+def test_what_was_understood_of_a_wire_behind_its_line():
+    data = drawing(lambda _, m: rectangle(m, "DIE", 0, 0))
+    row = compiled(data, side="die", clearance=0.15).understood.rows[0]
+    assert row.kept_text == "keeps the outside"
+    assert row.offset_text == "wire 0.040 mm outside, clearance 0.150 mm"
+    row = compiled(data, side="die", clearance=0.11).understood.rows[0]
+    assert row.offset_text == "wire on the line, clearance 0.110 mm"

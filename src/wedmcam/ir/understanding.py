@@ -188,7 +188,8 @@ class Row:
         kept: "inside" or "outside" of it is the material that stays; None where no side was asked
             for (``on``), and for open contours.
         side: as asked for: part, die, left, right, on.
-        offset_um: from the contour to the wire's centre.
+        offset_um: from the contour to the wire's centre; below 0 behind it (`Cut.offset_um`).
+        clearance_um: how far behind the contour the kept material begins.
         way: on which side of the contour the wire runs: "inside", "outside"; of an open one
             "left" or "right", as it is cut; None on the line itself.
         direction: "ccw", "cw"; of what is open from where to where.
@@ -209,6 +210,7 @@ class Row:
     kept: str | None
     side: str
     offset_um: float
+    clearance_um: float
     way: str | None
     direction: str
     lead_um: float
@@ -234,9 +236,10 @@ class Row:
     @property
     def offset_text(self) -> str:
         """By how much the wire runs beside the contour, and which way."""
+        takes = f", clearance {_mm(self.clearance_um)} mm" if self.clearance_um else ""
         if self.way is None:
-            return "wire on the line"
-        return f"wire {_mm(self.offset_um)} mm {self.way}"
+            return "wire on the line" + takes
+        return f"wire {_mm(abs(self.offset_um))} mm {self.way}{takes}"
 
     @property
     def size_text(self) -> str:
@@ -288,6 +291,7 @@ class Row:
             "kept": self.kept,
             "side": self.side,
             "offset_um": _nm(self.offset_um),
+            "clearance_um": _nm(self.clearance_um),
             "way": self.way,
             "direction": self.direction,
             "lead_um": _nm(self.lead_um),

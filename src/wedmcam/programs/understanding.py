@@ -45,6 +45,7 @@ def understood(plan: Plan) -> Understanding:
                 lies.kept,
                 str(cut.side),
                 cut.offset_um,
+                cut.clearance_um,
                 lies.way,
                 lies.direction,
                 math.hypot(x - cut.thread[0], y - cut.thread[1]),

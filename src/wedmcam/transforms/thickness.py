@@ -13,12 +13,12 @@ from collections.abc import Sequence, Set
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, warning
+from wedmcam.diag import Diagnostic, Severity, error, warning
 from wedmcam.geom import measure, thickness
 from wedmcam.geom.segments import Ints, points_at
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms.doubles import NOISE_UM, mm, place, steady
-from wedmcam.transforms.walls import LISTED, TOUCH_UM
+from wedmcam.transforms.walls import LISTED, TOUCH_UM, WALL_UM
 
 #: No wire cuts what is smaller than this, um: the finest ones, of 0.02 mm, take it with their gap.
 SPECK_UM = 50.0
@@ -84,11 +84,12 @@ def thin_walls(
     below_um: float,
     numbers: Sequence[int],
     said: Set[tuple[int, int]],
+    taken: Sequence[float] = (),
 ) -> list[Diagnostic]:
     """Return a warning for each wall, fin or neck of kept material below a thickness.
 
     Tips are none, however acute, sharp or cut off by a chamfer or a fillet: two stretches that meet
-    at a corner, or would.
+    at a corner, or would. A wall of which a clearance leaves less than `WALL_UM` is an error.
 
     Args:
         contours: closed ones of one part.
@@ -96,14 +97,19 @@ def thin_walls(
         below_um: no wall is thinner on purpose; 0 for no warnings.
         numbers: of the contours, for ``said``.
         said: pairs of numbers, the lower first, of which it was said already.
+        taken: for each contour, how far behind it the kept material begins; empty for nowhere.
     """
-    if below_um <= 0 or not contours:
+    behind = np.array(taken) if any(taken) else np.zeros(len(contours))
+    most = max(below_um, WALL_UM) + 2.0 * float(behind.max(initial=0.0)) if any(taken) else below_um
+    if most <= 0 or not contours:
         return []
     s, first = measure.segments_of_all([(c.vertices, True) for c in contours])
     owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
-    w = thickness.walls(s, owner, below_um)
+    w = thickness.walls(s, owner, most)
     size = np.asarray(w.size)
-    keep = (size > TOUCH_UM) & (size < below_um - NOISE_UM)
+    lost = behind[owner[w.i]] + behind[owner[w.j]]
+    none = (lost > 0) & (size - lost < WALL_UM)
+    keep = (size > TOUCH_UM) & ((size - lost < below_um - NOISE_UM) | none)
     if said and keep.any():
         pair = np.sort(np.array(numbers)[np.stack([owner[w.i], owner[w.j]])], axis=0)
         keep &= np.array([p not in said for p in zip(*pair.tolist(), strict=True)], np.bool_)
@@ -123,14 +129,19 @@ def thin_walls(
         spans = tuple(sorted(spans, key=str))
         x, y = float(w.x[k]), float(w.y[k])
         between = "two contours" if ca is not cb else "two stretches of one contour"
+        left = f", of which the clearance takes {mm(lost[k])} mm" if lost[k] else ""
+        hint = f"below --thin-wall ({mm(below_um)} mm) a wall seldom stands: draw it thicker"
+        if none[k]:
+            hint = f"nothing that can be proven (below {mm(WALL_UM)} mm) is left of it"
+        say = error if none[k] else warning
         found.append(
-            warning(
+            say(
                 "thin-wall",
                 f"the wall between {between} is {_thick(float(w.size[k]))} thick at "
-                f"{place(x, y)} mm",
+                f"{place(x, y)} mm{left}",
                 spans[0],
                 notes=(("its other side", spans[1]),),
-                hint=f"below --thin-wall ({mm(below_um)} mm) a wall seldom stands: draw it thicker",
+                hint=hint,
                 points_mm=((x / 1e3, y / 1e3),),
             )
         )
@@ -182,4 +193,5 @@ def _listed(found: list[Diagnostic], code: str, what: str) -> list[Diagnostic]:
     if len(found) <= LISTED:
         return found
     more = len(found) - LISTED
-    return [*found[:LISTED], warning(code, f"{more} further {what}", count=more)]
+    say = error if any(d.severity is Severity.ERROR for d in found[LISTED:]) else warning
+    return [*found[:LISTED], say(code, f"{more} further {what}", count=more)]

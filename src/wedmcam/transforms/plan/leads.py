@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,6 +144,35 @@ class _Scene:
         self.owner = np.repeat(np.arange(len(paths)), sizes)
         self.first = np.cumsum(sizes) - sizes
 
+    @cached_property
+    def scrap_inside(self) -> list[bool | None]:
+        """For each path whether scrap is inside of its outline; None where none falls away."""
+        return [None if p.scrap_left is None else _scrap_inside(p) for p in self.paths]
+
+    @cached_property
+    def outlines(self) -> dict[int, tuple[PlannedPath, bool]]:
+        """Outlines by number: one of their paths, and whether scrap is inside."""
+        both = zip(self.paths, self.scrap_inside, strict=True)
+        return {p.contour: (p, inside) for p, inside in both if inside is not None}
+
+    @cached_property
+    def outline_boxes(self) -> Floats:
+        """The extents of `outlines`, um, shape (outlines, 4)."""
+        held = [(p.outline.vertices, p.outline.closed) for p, _ in self.outlines.values()]
+        return measure.extents_of_all(held)
+
+    def around(self, x: float, y: float) -> set[int]:
+        """Return the numbers of the outlines that enclose a point."""
+        b = self.outline_boxes
+        near = (b[:, 0] <= x) & (x <= b[:, 2]) & (b[:, 1] <= y) & (y <= b[:, 3])
+        numbers = list(self.outlines)
+        px, py = np.array([x]), np.array([y])
+        return {
+            numbers[k]
+            for k in np.flatnonzero(near).tolist()
+            if measure.contains(self.outlines[numbers[k]][0].outline.vertices, px, py)[0]
+        }
+
     def of(self, number: int) -> Segments:
         """Return the segments of one path."""
         first = int(self.first[number])
@@ -182,20 +212,17 @@ def _serves(scene: _Scene, x: int, y: int, only: Collection[int]) -> tuple[int |
     it; on the far side of any other contour there is material in between. Of the paths that bound
     this scrap the nearest is served.
     """
-    paths = scene.paths
-    px, py = np.array([float(x)]), np.array([float(y)])
-    outlines = {p.contour: p for p in paths if p.scrap_left is not None}
-    around = {c for c, p in outlines.items() if _encloses(p.outline, px, py)}
+    paths, outlines = scene.paths, scene.outlines
+    around = scene.around(float(x), float(y)) if outlines else set()
     # The innermost around the point is the one that is no parent of another one around it.
-    inner = around - {outlines[c].parent for c in around}
+    inner = around - {outlines[c][0].parent for c in around}
     home = min(inner, default=-1)
+    inside_home = home < 0 or outlines[home][1]
     candidates = []
-    for k, planned in enumerate(paths):
-        if planned.scrap_left is None:
+    for k, (planned, scrap_inside) in enumerate(zip(paths, scene.scrap_inside, strict=True)):
+        if scrap_inside is None:
             candidates.append(k)
             continue
-        scrap_inside = _scrap_inside(planned)
-        inside_home = home < 0 or _scrap_inside(outlines[home])
         if (planned.contour == home and scrap_inside) or (
             planned.contour not in around
             and planned.parent == home
@@ -224,14 +251,6 @@ def _serves(scene: _Scene, x: int, y: int, only: Collection[int]) -> tuple[int |
 def _scrap_inside(planned: PlannedPath) -> bool:
     # A counter-clockwise outline has its inside to the left.
     return planned.scrap_left == (measure.area(planned.outline.vertices) > 0)
-
-
-def _encloses(outline: Contour, x: Floats, y: Floats) -> bool:
-    v = outline.vertices
-    reach = float(np.hypot(v["x"] - v["cx"], v["y"] - v["cy"]).max()) if v["turn"].any() else 0.0
-    if not v["x"].min() - 2 * reach <= x[0] <= v["x"].max() + 2 * reach:
-        return False
-    return bool(measure.contains(v, x, y)[0])
 
 
 # --- the start of a path -------------------------------------------------------------------------

@@ -30,10 +30,11 @@ def thin_material(scenes: Sequence[PieceScene], below_um: float) -> list[Diagnos
         part = scene.keeps is not Side.DIE
         contours = [p.contour for p in scene.pieces]
         inside = [runs_outside(depth, part) for depth in scene.nesting.depths]
-        small, are_small = specks(contours, inside, [p.shift for p in scene.pieces])
+        small, are_small = specks(contours, inside, [p.offset + p.clearance for p in scene.pieces])
         found += small
         rows = [k for k, c in enumerate(contours) if c.closed and not are_small[k]]
         chosen, numbers = [contours[k] for k in rows], [first + k for k in rows]
-        found += thin_walls(chosen, part, below_um, numbers, said)
+        taken = [scene.pieces[k].clearance for k in rows]
+        found += thin_walls(chosen, part, below_um, numbers, said, taken)
         first += len(contours)
     return found

@@ -52,7 +52,7 @@ def check_blocks(
             findings.append(
                 error(
                     code,
-                    f"block {row + 1}: {what} is {int(value[row]) / per:.3f} mm{bound}"
+                    f"block {row + 1}: {what} is {int(value[row]) / per:.3f} mm{over}"
                     + (more if len(rows) > 5 else ""),
                     span_of(program, row),
                 )

@@ -47,12 +47,12 @@ def check_blocks(
     def report(code: str, mask: Bools, what: str, value: Ints, most: int | None) -> None:
         rows = np.flatnonzero(mask)
         for row in rows[:5].tolist():
-            "" if most is None else f", the limit is {most / per:.3f} mm"
+            over = "" if most is None else f", the limit is {most / per:.3f} mm"
             more = f" (and {len(rows) - 5} more)" if row == rows[min(4, len(rows) - 1)] else ""
             findings.append(
                 error(
                     code,
-                    f"block {row + 1}: {what} is {int(value[row]) / per:.3f} mm{bound}"
+                    f"block {row + 1}: {what} is {int(value[row]) / per:.3f} mm{over}"
                     + (more if len(rows) > 5 else ""),
                     span_of(program, row),
                 )

@@ -25,7 +25,8 @@ from wedmcam.transforms.compensate.interference import (
 #: The first offset that is tried, um, and how much larger the next one is: small offsets cross
 #: little, so they are fast.
 FIRST_UM, FACTOR = 60.0, 4.0
-#: Holes and slots are limited by half their size, but for up to this, um: a path has a width.
+#: Holes and slots are limited by half their size, but for up to this, um: a path has a width,
+#: and at the very half all sides of a polygon about a circle meet in one place.
 BELOW_UM = 2.0
 #: How exactly the limit is found, um.
 EXACT_UM = 0.05
@@ -74,7 +75,7 @@ def largest_offset(
     radius = _least_inside_radius(outlines, signs)
     size = _half_least_size(outlines, signs)
     # Where the limit often lies: tried on the way up, so that little is left to be searched.
-    likely = [size, size - BELOW_UM]
+    likely = [size - BELOW_UM, size + BELOW_UM]
     if radius is not None:
         likely += [radius.size, radius.size + CORNER_UM + EXACT_UM]
     low, high, worst = 0.0, limit_um, None

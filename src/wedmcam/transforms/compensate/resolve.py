@@ -337,6 +337,7 @@ def _merged(x: Floats, y: Floats, used: NDArray[np.bool_]) -> Ints:
     """Return for each node the representative of the cluster of nodes that it coincides with."""
     label = np.arange(len(x))
     rows = np.flatnonzero(used)
+    rows = _one_a_cell(rows, x, y, label)
     px, py = x[rows], y[rows]
     i, j = pairs.self_overlapping(pairs.grown((px, py, px, py), 0.5 * NODE_UM))
     near = np.hypot(px[i] - px[j], py[i] - py[j]) <= NODE_UM
@@ -349,6 +350,24 @@ def _merged(x: Floats, y: Floats, used: NDArray[np.bool_]) -> Ints:
         label = label[label]
         if (label == before).all():
             return label
+
+
+def _one_a_cell(rows: Ints, x: Floats, y: Floats, label: Ints) -> Ints:
+    """Return one of the nodes of each cell much smaller than a node; ``label`` of the others is it.
+
+    Of a polygon about a circle all sides may cross in one place: as many pairs as the square of
+    their crossings would have to be looked at.
+    """
+    cell = 0.25 * NODE_UM
+    column, line = np.floor(x[rows] / cell), np.floor(y[rows] / cell)
+    order = np.lexsort((rows, line, column))
+    new = np.ones(len(rows), bool)
+    new[1:] = (np.diff(column[order]) != 0) | (np.diff(line[order]) != 0)
+    if new.all():
+        return rows
+    first = rows[order[np.flatnonzero(new)[np.cumsum(new) - 1]]]
+    label[rows[order]] = first
+    return np.sort(rows[order[new]])
 
 
 def _clearance(source: Source, raw: Raw, element: Ints, at: Floats) -> Floats:

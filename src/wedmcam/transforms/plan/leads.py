@@ -375,10 +375,10 @@ def _chosen(
 def _ray(number: int, path: Contour, left: bool) -> _Ray:
     """Return the direction that halves the angle of scrap at the start of a closed path."""
     s = seg.of_rows(path.starts, path.ends)
-    # What is shorter than the noise of its ends has no direction.
-    known = np.flatnonzero(s.length >= min(NOISE_UM, float(s.length.max())))
-    ix, iy = (float(c[known[-1]]) for c in seg.end_tangents(s))
-    ox, oy = (float(c[known[0]]) for c in seg.start_tangents(s))
+    ix, iy = (float(c[-1]) for c in seg.end_tangents(s))
+    ox, oy = (float(c[0]) for c in seg.start_tangents(s))
+    if min(s.length[0], s.length[-1]) < NOISE_UM:
+        (ix, iy), (ox, oy) = _headings(s)
     # From the first segment's normal by half the turn of the corner; exact where there is none.
     back = -0.5 * float(np.arctan2(ix * oy - iy * ox, ix * ox + iy * oy))
     back = 0.0 if abs(back) < 1e-9 else back
@@ -386,6 +386,23 @@ def _ray(number: int, path: Contour, left: bool) -> _Ray:
     nx, ny = (-oy, ox) if left else (oy, -ox)
     v = path.vertices
     return _Ray(number, path, float(v["x"][0]), float(v["y"][0]), c * nx - d * ny, d * nx + c * ny)
+
+
+def _headings(s: Segments) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the directions in which a path comes to its start and leaves it, over some steps.
+
+    What is shorter than the noise of its ends has no direction of its own.
+    """
+    ends_at = np.cumsum(s.length)
+    total = float(ends_at[-1])
+    ahead = min(0.25, 0.125 * total)
+    at = np.array([ahead, total - ahead])
+    row = np.minimum(np.searchsorted(ends_at, at), len(s) - 1)
+    x, y = seg.points_at(s.take(row), at - ends_at[row] + s.length[row])
+    dx, dy = x - s.x0[0], y - s.y0[0]
+    size = np.maximum(np.hypot(dx, dy), 1e-12)
+    out, back = ((float(dx[k] / size[k]), float(dy[k] / size[k])) for k in (0, 1))
+    return (-back[0], -back[1]), out
 
 
 def _cleared(

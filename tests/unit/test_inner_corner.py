@@ -9,7 +9,8 @@ import parts
 from drawings import drawing
 from oracle import lengths
 from wedmcam import api
-from wedmcam.transforms.compensate import compensate, largest_offset
+from wedmcam.transforms.compensate import compensate
+from wedmcam.transforms.compensate.largest import largest_offset
 
 
 def offset_of(points, offset=100.0):

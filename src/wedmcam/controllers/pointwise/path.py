@@ -191,7 +191,7 @@ def _one(one: tuple[Any, ...], ramp: Floats, half: Floats, scratch: Floats, out:
             np.floor(w, out=w)
         else:
             np.add(ramp[:n], first - shift, out=e)
-            if length * c + d < EXACT:
+            if (length - shift) * c + d < EXACT:
                 np.multiply(e, c, out=w)
                 w += b
                 w /= d
@@ -212,7 +212,9 @@ def _fill(runs: _Runs, x: NDArray[Any], y: NDArray[Any]) -> None:
     ramp = np.arange(1.0, most + 1.0)
     half = 0.5 * ramp[:PIECE]
     scratch = np.empty((2, min(PIECE, most)))
-    long_rows = np.flatnonzero(runs.length >= LONG)
+    # The end of a long line is as one: its w is not that of a short run.
+    late = ~runs.is_arc & (-runs.shift >= LONG)
+    long_rows = np.flatnonzero((runs.length >= LONG) | late)
     long_runs = zip(*(column.tolist() for column in runs.take(long_rows)), strict=True)
     long_at = iter([*long_rows.tolist(), total])
     i = done = 0

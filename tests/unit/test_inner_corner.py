@@ -156,7 +156,8 @@ def test_the_largest_offset_takes_the_same_for_a_corner():
     def largest(*tip):
         points = wedge(90, *tip)
         contour = parts.contour_of_bulges(points, np.zeros(len(points)))
-        return largest_offset([contour], [1.0 if _clockwise(points) else -1.0], 800.0)
+        most = largest_offset([contour], [1.0 if _clockwise(points) else -1.0], 800.0)
+        return most.offset_um, most.limit
 
     assert largest((0, 0)) == (800.0, None)
     assert largest((20, 0), (0, 20)) == (800.0, None)

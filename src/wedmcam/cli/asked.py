@@ -13,6 +13,7 @@ from wedmcam.cli.lengths import CUTS, OFFSET, POINT, UNIT, OfLayer, length
 from wedmcam.cli.tell import tell
 
 if TYPE_CHECKING:
+    from wedmcam.ir.plan import Side
     from wedmcam.machines import Machine
     from wedmcam.options import Options
 
@@ -101,6 +102,15 @@ drawing_options = _stack(
     ),
 )
 
+layer_side_option = click.option(
+    "--layer-side",
+    "layer_sides",
+    type=LAYER_SIDE,
+    multiple=True,
+    metavar="NAME=SIDE",
+    help="Side of the contours of a layer, such as DIE=die; repeat.",
+)
+
 path_options = _stack(
     click.option("--offset", "offset_um", type=length("offset_um"), help="Outline to wire centre."),
     click.option("--wire", "wire_um", type=length("wire_um"), help="Wire diameter (with --gap)."),
@@ -113,14 +123,7 @@ path_options = _stack(
         help="part keeps the material inside outer contours (default with an offset), die the "
         "reverse; on runs on the line.",
     ),
-    click.option(
-        "--layer-side",
-        "layer_sides",
-        type=LAYER_SIDE,
-        multiple=True,
-        metavar="NAME=SIDE",
-        help="Side of the contours of a layer, such as DIE=die; repeat.",
-    ),
+    layer_side_option,
     click.option(
         "--layer-offset",
         "layer_offsets",
@@ -283,6 +286,13 @@ PATH_NAMES = _names(path_options)
 compile_options = _stack(drawing_options, path_options, machine_options)
 
 
+def sides_of(asked: dict[str, Any]) -> tuple[tuple[str, Side], ...]:
+    """Return the sides of layers."""
+    from wedmcam.ir.plan import Side
+
+    return tuple((name, Side(side)) for name, side in asked["layer_sides"])
+
+
 def options_of(asked: dict[str, Any]) -> Options:
     """Return `Options` from what click collected.
 
@@ -314,7 +324,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         defines=asked["defines"],
         offset_um=offset,
         side=Side(asked["side"]) if asked["side"] else None,
-        layer_sides=tuple((name, Side(side)) for name, side in asked["layer_sides"]),
+        layer_sides=sides_of(asked),
         layer_offsets=asked["layer_offsets"],
         clearance_um=asked["clearance_um"] or 0.0,
         clearance_on=asked["clearance_on"],

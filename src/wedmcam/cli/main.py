@@ -531,6 +531,7 @@ def _machine_of_either(
 @click.argument("input_", metavar="INPUT")
 @ask.drawing_options
 @click.option("--side", type=ask.SIDES, help="For the largest offset: part (default) or die.")
+@ask.layer_side_option
 @ask.said_options
 def inspect_command(input_: str, **asked: Any) -> int:
     """What the reader saw: units, size, entities, contours, gaps, the largest offset that fits."""
@@ -552,7 +553,8 @@ def inspect_command(input_: str, **asked: Any) -> int:
         transforms=asked["transforms"],
         arithmetic=asked["arithmetic"],
         side=side,
-        offset_um=1.0 if side else None,  # a side needs one; it is not used
+        layer_sides=(sides := ask.sides_of(asked)),
+        offset_um=1.0 if side or sides else None,  # a side needs one; it is not used
         strict=asked["strict"],
         wishes=ask.wishes_of(asked),
     )
@@ -607,7 +609,8 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
         ask.warn_of_idle(ask.PATH_NAMES, "with --contours nothing is compiled")
     machine = ask.machine_of(named, None) if named else None
     if contours and not is_program:
-        asked |= {"side": None, "offset_um": None, "wire_um": None, "gap_um": None}
+        asked |= dict.fromkeys(("side", "offset_um", "wire_um", "gap_um", "clearance_um"))
+        asked |= {"layer_sides": (), "layer_offsets": ()}
     said = ask.said_of(asked)
     options = Options(d=asked["d"], **said) if is_program else ask.options_of(asked)
     # A picture shows the program; a drawing is one to cut by.
@@ -621,12 +624,13 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
             made = api.compile(data, profile=machine, name=name, options=options)
     texts: dict[str, str | bytes] = {} if is_program else {name: data, **options.texts}
     say.say_findings(made.findings, name, asked["quiet"], texts)
-    if Path(output).suffix.lower() != ".dxf":
-        if made.status:
+    if made.status:
+        if shown:
             write_refused(made, Path(name).name, output, name)
-            return int(made.status)
+        return int(made.status)
+    if shown:
         write_outputs([(output, picture(made, Path(name).name, output))])
-    elif getattr(made, "program", None) is not None and made.status == 0:
+    elif getattr(made, "program", None) is not None:
         write_outputs([(output, api.path_drawing(made.program, made.machine))])
     else:
         raise click.UsageError(f"{output}: a DXF holds the path of a good program, there is none")

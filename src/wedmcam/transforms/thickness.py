@@ -116,7 +116,7 @@ def thin_walls(
     rows = np.flatnonzero(keep)
     if not len(rows):
         return []
-    rows = _one_each(w, rows, first, owner)
+    rows = _one_each(w, rows, first, owner, most)
     within = measure.Inside(s)
     step = max(1, POINT_SEGMENTS // len(s))
     chunks = [rows[k : k + step] for k in range(0, len(rows), step)]
@@ -148,10 +148,11 @@ def thin_walls(
     return _listed(found, "thin-wall", "walls as thin as these")
 
 
-def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints) -> Ints:
+def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints, near_um: float) -> Ints:
     """Return the thinnest place of each wall, in order of place.
 
-    Places on the same two segments, or on neighbours of them, are of one wall.
+    Places on the same two segments, or on neighbours of them, are of one wall; so are those within
+    ``near_um`` of each other.
     """
     n = len(owner)
     order = np.lexsort((steady(w.x[rows]), steady(w.y[rows]), steady(w.size[rows])))
@@ -181,6 +182,11 @@ def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints) -> Ints:
         if (label == seen).all():
             break
     best = rows[np.flatnonzero(label == np.arange(len(rows)))]
+    far = np.ones(len(best), np.bool_)
+    for k in range(1, len(best)):  # the thinnest come first
+        of = best[:k][far[:k]]
+        far[k] = np.hypot(w.x[of] - w.x[best[k]], w.y[of] - w.y[best[k]]).min() > near_um
+    best = best[far]
     return best[np.lexsort((steady(w.x[best]), steady(w.y[best])))]
 
 

@@ -13,9 +13,11 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from click.testing import CliRunner
 from test_cli import wedmcam
 
 import parts
+from wedmcam.cli.main import cli
 
 SQUARE = parts.dxf_bytes((parts.rectangle(20_000, 10_000),))
 COMPILE = ("compile", "part.dxf", "--offset", "0.1")
@@ -196,3 +198,12 @@ def stat(place):
 
 def runs(pid):
     return stat(Path(f"/proc/{pid}"))[:1] not in ([], ["Z"])
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no such device here")
+@pytest.mark.parametrize("line", ["check /dev/zero", "dump /dev/zero", "verify /dev/full"])
+def test_a_device_without_an_end(line, monkeypatch):
+    monkeypatch.setattr("wedmcam.cli.files.MOST_BYTES", 10**6)
+    done = CliRunner().invoke(cli, line.split())
+    assert done.exit_code == 1
+    assert "a device without an end" in done.output

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.cli.files import Failed, remove_unfinished, write_outputs
+from wedmcam.cli.files import Failed, read_input, remove_unfinished, write_outputs
 from wedmcam.cli.progress import Bar
 from wedmcam.cli.tell import tell
 from wedmcam.diag import json_text, visible
@@ -177,9 +177,9 @@ def make(item: Item, force_units: bool) -> Outcome:
     assert machine is not None
     assert options is not None
     try:
-        data = Path(item.source).read_bytes()
-    except OSError as why:
-        text = visible(f"{item.source}: cannot be read: {why.strerror}")
+        data = read_input(item.source)
+    except Failed as why:
+        text = visible(why.message)
         return Outcome(item, 1, text, _record(item, 1, error=text))
     try:
         made = api.compile(

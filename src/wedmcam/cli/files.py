@@ -15,19 +15,27 @@ from pathlib import Path
 
 import click
 
+#: No drawing and no program is larger; a device may have no end.
+MOST_BYTES = 256 * 10**6
+
 
 def read_input(name: str) -> bytes:
     """Return the bytes of a file, or of standard input for ``-``.
 
     Raises:
-        click.ClickException: it cannot be read; exit status 1.
+        click.ClickException: it cannot be read, or does not end; exit status 1.
     """
     try:
         if name == "-":
-            return sys.stdin.buffer.read()
-        return Path(name).read_bytes()
+            data = sys.stdin.buffer.read(MOST_BYTES + 1)
+        else:
+            with open(name, "rb") as file:
+                data = file.read(MOST_BYTES + 1)
     except OSError as why:
         raise Failed(f"{name}: cannot be read: {why.strerror or why}") from why
+    if len(data) > MOST_BYTES:
+        raise Failed(f"{name}: is larger than {MOST_BYTES // 10**6} MB, or a device without an end")
+    return data
 
 
 def read_program(name: str) -> bytes:

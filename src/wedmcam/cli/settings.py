@@ -539,9 +539,10 @@ def _format_of_program(params: Mapping[str, Any]) -> str | None:
         return FORMAT_OF_SUFFIX[suffix]
     if suffix in (".dxf", ".wed") or not Path(name).is_file():
         return None if "program" not in params else "a program from standard input"
+    from wedmcam.cli.files import read_input
     from wedmcam.frontends.identify import identify
 
-    seen = identify(Path(name).read_bytes()).format
+    seen = identify(read_input(name)).format
     return seen if seen in FORMAT_OF_SUFFIX.values() else None
 
 

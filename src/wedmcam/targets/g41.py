@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors, note
 from wedmcam.ir.plan import Plan
@@ -263,7 +264,7 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
     """
     from wedmcam.programs.places import block_ends
 
-    starts, ends = block_ends(program, machine)
+    starts, ends = block_ends(replace(program, origin=plan.cuts[0].thread), machine)
     kind = program.blocks["kind"]
     cutting = kind < Kind.MOVE
     group = np.cumsum(kind == Kind.MOVE)
@@ -272,9 +273,12 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
         return []  # a cut begins where the one before it was threaded
     found = []
     for rows, cut in zip(of, plan.cuts, strict=True):
-        apart = np.hypot(*(starts[rows[-1]] - ends[rows[0]])) if cut.path.closed else 0.0
+        here = np.array([float(cut.path.vertices[k][0]) for k in ("x", "y")])
+        first = _nearer(ends[rows[0]], starts[rows[0]], here)
+        last = _nearer(starts[rows[-1]], ends[rows[-1]], here)
+        apart = np.hypot(*(last - first)) if cut.path.closed else 0.0
         if apart > 0:
-            x, y = (float(cut.path.vertices[k][0]) / 1000 for k in ("x", "y"))
+            x, y = (here / 1000).tolist()
             text = (
                 f"the controller's path from ({x:.3f}, {y:.3f}) mm ends {apart / 1000:.4f} mm "
                 "beside its start: both are rounded to its grid"
@@ -284,6 +288,16 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
                 error("not-reachable", text, cut.path.source_of(0), points_mm=((x, y),), hint=hint)
             )
     return found
+
+
+def _nearer(
+    inner: NDArray[np.float64], outer: NDArray[np.float64], here: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the end of a first or last block where the path starts: its outer one without a lead.
+
+    Of a wire threaded on its path the lead runs in the outline alone: the path has no block of it.
+    """
+    return outer if np.hypot(*(outer - here)) < np.hypot(*(inner - here)) else inner
 
 
 def _strays(

@@ -37,7 +37,7 @@ class Largest:
     """What limits the offset of outlines.
 
     Attributes:
-        offset_um: a wire at this offset fits, all larger ones up to the limit within `EXACT_UM`.
+        offset_um: a wire at this offset fits; the limit is above it, within the same whole um.
         limit: what is in the way of larger ones; None where that was not looked for any farther.
     """
 
@@ -47,7 +47,11 @@ class Largest:
     @property
     def nearest_um(self) -> int:
         """The limit in whole um: 1 um less fits, 1 um more does not."""
-        return int(np.ceil(self.offset_um - EXACT_UM))
+        return _whole(self.offset_um)
+
+
+def _whole(offset_um: float) -> int:
+    return int(np.ceil(offset_um - EXACT_UM))
 
 
 def largest_offset(
@@ -55,8 +59,9 @@ def largest_offset(
 ) -> Largest:
     """Return the largest offset without interference, and what limits it.
 
-    Looks at fillets, necks and slots, not at sharp corners. The result is within `EXACT_UM` below
-    the true limit; ``limit_um`` with None when nothing limits the offset up to there.
+    Looks at fillets, necks and slots, not at sharp corners. The result is at most 1 um below the
+    true limit, and in the same whole um; ``limit_um`` with None when nothing limits the offset up
+    to there.
 
     Args:
         outlines: contours of one part, um, none of which crosses itself or another one.
@@ -86,8 +91,9 @@ def largest_offset(
             low = step
         else:
             high = step
-    while worst is not None and high - low > EXACT_UM:
-        middle = 0.5 * (low + high)
+    # Only between whole um is anything to be told: each trial near the limit is a slow one.
+    while worst is not None and _whole(low) < _whole(high):
+        middle = np.floor(0.5 * (low + high)) + EXACT_UM
         found = trouble(middle)
         if found is None:
             low = middle

@@ -28,7 +28,7 @@ FIRST_UM, FACTOR = 60.0, 4.0
 #: Holes and slots are limited by half their size, but for up to this, um: a path has a width,
 #: and at the very half all sides of a polygon about a circle meet in one place.
 BELOW_UM = 2.0
-#: How exactly the limit is found, um.
+#: A wire so little larger than a limit of whole um is still told to be at it, um.
 EXACT_UM = 0.05
 
 
@@ -51,7 +51,8 @@ class Largest:
 
 
 def _whole(offset_um: float) -> int:
-    return int(np.ceil(offset_um - EXACT_UM))
+    """Return the whole um above an offset that fits; it may be over the limit by `EXACT_UM`."""
+    return int(np.floor(offset_um - EXACT_UM + 1e-9)) + 1
 
 
 def largest_offset(
@@ -91,14 +92,15 @@ def largest_offset(
             low = step
         else:
             high = step
-    # Only between whole um is anything to be told: each trial near the limit is a slow one.
-    while worst is not None and _whole(low) < _whole(high):
-        middle = np.floor(0.5 * (low + high)) + EXACT_UM
-        found = trouble(middle)
+    # Only whole um are told, and trials near the limit are slow: no more of them than needed.
+    least, most = _whole(low), int(np.ceil(high - EXACT_UM - 1e-9))
+    while worst is not None and least < most:
+        middle = (least + most) // 2
+        found = trouble(middle + EXACT_UM)
         if found is None:
-            low = middle
+            low, least = middle + EXACT_UM, middle + 1
         else:
-            high, worst = middle, found
+            most, worst = middle, found
     if worst is not None and radius is not None and 0 <= low - radius.size <= CORNER_UM:
         return Largest(radius.size, radius)  # a fillet up to half a step smaller is a corner
     return Largest(low, worst)

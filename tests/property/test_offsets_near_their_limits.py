@@ -20,6 +20,7 @@ from wedmcam.targets import target_of
 from wedmcam.transforms.chain import ChainReport
 from wedmcam.transforms.compensate import compensate
 from wedmcam.transforms.compensate.largest import largest_offset
+from wedmcam.transforms.layers import Group, rule_of
 from wedmcam.transforms.nest import nest
 
 PROFILES = ("b3-compact", "iso-um", "zd065", "iso-mm", "zd065-rotation", "b3-columns")
@@ -51,9 +52,11 @@ def notch(width, depth):
 def outcome(contours, profile="b3-compact", **options):
     """Return the stage at which a compile stopped, empty where it did not, and the findings."""
     sketch = Sketch(np.zeros(0, SEGMENT))
-    drawn = Drawn(sketch, contours, ChainReport(len(contours), 0), nest(contours), False)
     target, run = target_of(machines.builtin(profile)), Run()
     asked = Options(**options)
+    groups = (Group(rule_of("", asked), tuple(contours)),)
+    report = ChainReport(len(contours), 0)
+    drawn = Drawn(sketch, tuple(contours), report, nest(contours), False, groups=groups)
     try:
         plan = pipeline.plan_of(drawn, asked, [target], run)
         pipeline.compiled(plan, target, asked, run)

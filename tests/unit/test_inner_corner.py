@@ -10,7 +10,7 @@ from drawings import drawing
 from oracle import lengths
 from wedmcam import api
 from wedmcam.transforms.compensate import compensate
-from wedmcam.transforms.compensate.largest import largest_offset
+from wedmcam.transforms.compensate.largest import Largest, largest_offset
 
 
 def offset_of(points, offset=100.0):
@@ -159,9 +159,9 @@ def test_the_largest_offset_takes_the_same_for_a_corner():
         most = largest_offset([contour], [1.0 if _clockwise(points) else -1.0], 800.0)
         return most.offset_um, most.limit
 
-    assert largest((0, 0)) == (800.0, None)
-    assert largest((20, 0), (0, 20)) == (800.0, None)
-    assert largest((200, 0), (0, 120)) == (800.0, None)
+    assert largest((0, 0)) == Largest(800.0, None)
+    assert largest((20, 0), (0, 20)) == Largest(800.0, None)
+    assert largest((200, 0), (0, 120)) == Largest(800.0, None)
 
 
 def _clockwise(points):

@@ -35,10 +35,13 @@ def test_pages_are_up_to_date(made, name):
 
 def test_every_code_is_used():
     text = "".join(p.read_text("utf-8") for p in SRC.rglob("*.py") if p.name != "codes.py")
-    # Two are made of a word: f"{what}-too-long".
-    unused = [c for c in CODES if f'"{c}"' not in text and not c.endswith("-too-long")]
+    # Four are made of a word: f"{name}-too-long".
+    unused = [
+        c for c in CODES if f'"{c}"' not in text and not c.endswith(("-too-long", "-too-short"))
+    ]
     assert not unused
     assert 'f"{name}-too-long"' in text
+    assert 'f"{name}-too-short"' in text
 
 
 def test_every_code_explains_itself():

@@ -491,6 +491,16 @@ CODES: dict[str, Code] = {
         "its kerf, and the start hole, would damage the finished wall",
         "move 'enter' out of the corner, or give a thread point",
     ),
+    "stop-too-short": Code(
+        "the place of --stop is the step on which the cut ends, or that of its thread point",
+        "the machine would pause after the cut, or not at all",
+        "a longer --stop, or none",
+    ),
+    "overcut-too-short": Code(
+        "--overcut ends on the step on which the contour closes",
+        "there would be none",
+        "a longer --overcut, or none",
+    ),
     "stop-too-long": Code(
         "--stop is longer than the path",
         "the machine would pause before it begins",

@@ -430,9 +430,9 @@ class _Case(NamedTuple):
             return None, findings
         places = np.concatenate([way.start[a.index[:1]], way.end[a.index]])
         at = np.concatenate([t.low[rows][:1], high])
-        p0 = int(np.argmin(np.abs(at - route.path_low[k])))
-        # The last of several that stand there.
-        p1 = len(at) - 1 - int(np.argmin(np.abs(at - route.path_high[k])[::-1]))
+        p0, p1 = _meeting(
+            places, at, float(route.path_low[k]), float(route.path_high[k]), self.path_limit_um
+        )
         off = max(abs(at[p0] - route.path_low[k]), abs(at[p1] - route.path_high[k]))
         block = int(a.index[max(p1 - 1, 0)])
         if off > LOST:
@@ -658,6 +658,30 @@ def as_notes(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
 def _last(way: Walk) -> int:
     """Return the row of the last block that cuts."""
     return int(np.flatnonzero(way.cutting & (way.steps > 0))[-1])
+
+
+def _meeting(places: Ints, at: Floats, low: float, high: float, room: float) -> tuple[int, int]:
+    """Return at which of the places of a cut its contour begins, and at which it closes.
+
+    Where blocks are no longer than what rounding moves their ends (a stop or an overcut of a step
+    or two) the nearest along the path may be a neighbour: of those within ``room`` of both ends of
+    the path, one place that was passed twice, a whole contour apart, is where it closes.
+
+    Args:
+        places: where blocks begin and end, steps, shape (n, 2).
+        at: how far along the route these are.
+        low, high: where on it the contour begins and ends.
+        room: how far along the route a place may be from where it was to be.
+    """
+    starts, ends = np.abs(at - low), np.abs(at - high)
+    if high - low > 4.0 * room:
+        a, b = np.flatnonzero(starts <= room), np.flatnonzero(ends <= room)
+        i, j = np.nonzero((places[a][:, None] == places[b][None]).all(axis=2))
+        if len(i):
+            best = int(np.argmin(starts[a[i]] + ends[b[j]]))
+            return int(a[i[best]]), int(b[j[best]])
+    # The last of several that stand there.
+    return int(np.argmin(starts)), len(at) - 1 - int(np.argmin(ends[::-1]))
 
 
 def _nowhere(way: Walk, row: int) -> str:

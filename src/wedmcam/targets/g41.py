@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors, note
 from wedmcam.ir.plan import Plan
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 
 #: How often other places of the grid are tried where the path would stray too far.
 ROUNDS = 12
+
+#: What the judge says where two roundings are too much.
+FAR = frozenset({"path-deviation", "gouge", "not-closed"})
 
 #: What helps where the controller cannot offset an outline.
 OTHER = "a profile that states the path itself (iso-um, iso-mm), or another offset"
@@ -178,15 +182,16 @@ def encode(
         return b"", found
     table = dict(entries.d)
     writer = _Writer(lowered, machine, table)
-    data, more, strays = writer.tried(plan, [])
-    if strays:
+    tried = writer.tried(plan, [])
+    if tried.strays:
         kept: list[Choice] = []
-        for n in sorted({choice[0] for choice in strays}):
-            kept += writer.settled(plan, n, [c for c in strays if c[0] == n])
-        data, more, _ = writer.tried(plan, kept)
-    if data and not has_errors(more):
-        more = [*more, *_lost(data, plan, machine, table)]
-    return data, [*found, *more]
+        for n in sorted({choice[0] for choice in tried.strays}):
+            kept += writer.settled(plan, n, [c for c in tried.strays if c[0] == n])
+        tried = writer.tried(plan, kept)
+    more = tried.found
+    if tried.data and not has_errors(more):
+        more = [*more, *(_lost(tried.data, plan, machine, table) or tried.far)]
+    return tried.data, [*found, *more]
 
 
 def _lost(data: bytes, plan: Plan, machine: Machine, table: dict[int, float]) -> list[Diagnostic]:
@@ -207,6 +212,22 @@ def _lost(data: bytes, plan: Plan, machine: Machine, table: dict[int, float]) ->
     ]
 
 
+class _Tried(NamedTuple):
+    """An outline as it was written.
+
+    Attributes:
+        data: its bytes, empty where there are errors.
+        found: findings of writing it.
+        strays: what was chosen for the motions along which the wire would stray too far.
+        far: an error where it would, whatever was chosen; else empty.
+    """
+
+    data: bytes
+    found: list[Diagnostic]
+    strays: list[Choice]
+    far: list[Diagnostic]
+
+
 class _Writer:
     """Outlines as bytes, and along which of their motions the wire would stray too far.
 
@@ -222,10 +243,8 @@ class _Writer:
         self.ends = block_ends(lowered, machine)[1]
         self.grid = grid_of(machine)
 
-    def tried(
-        self, plan: Plan, not_again: list[Choice]
-    ) -> tuple[bytes, list[Diagnostic], list[Choice]]:
-        """Return the bytes (empty where there are errors), findings, and what strays."""
+    def tried(self, plan: Plan, not_again: list[Choice]) -> _Tried:
+        """Write a plan without some choices, and see how far the wire would stray."""
         from wedmcam.backends.axes import outlines_to_controller
         from wedmcam.backends.iso import encode_outlines
         from wedmcam.transforms import outlines
@@ -234,10 +253,10 @@ class _Writer:
             plan, self.lowered, self.ends, self.grid, self.table, not_again
         )
         if made is None:
-            return b"", found, []
+            return _Tried(b"", found, [], [])
         written, ends = outlines_to_controller(made.programmed, made.ends, self.machine.axes)
         data, found = encode_outlines(written, ends, self.machine)
-        return data, found, _strays(data, made, plan, self.machine, self.table)
+        return _Tried(data, found, *_strays(data, made, plan, self.machine, self.table))
 
     def settled(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:
         """Return what must not be chosen for one contour, that it strays nowhere or least."""
@@ -245,7 +264,7 @@ class _Writer:
         bad = [(0, *choice[1:]) for choice in strays]
         best, least = bad, len(strays) + 1
         for _ in range(ROUNDS):
-            _, _, again = self.tried(alone, bad)
+            again = self.tried(alone, bad).strays
             if len(again) < least:
                 best, least = list(bad), len(again)
             new = [choice for choice in again if choice not in bad]
@@ -263,7 +282,7 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
     """
     from wedmcam.programs.places import block_ends
 
-    starts, ends = block_ends(program, machine)
+    starts, ends = block_ends(replace(program, origin=plan.cuts[0].thread), machine)
     kind = program.blocks["kind"]
     cutting = kind < Kind.MOVE
     group = np.cumsum(kind == Kind.MOVE)
@@ -272,9 +291,12 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
         return []  # a cut begins where the one before it was threaded
     found = []
     for rows, cut in zip(of, plan.cuts, strict=True):
-        apart = np.hypot(*(starts[rows[-1]] - ends[rows[0]])) if cut.path.closed else 0.0
+        here = np.array([float(cut.path.vertices[k][0]) for k in ("x", "y")])
+        first = _nearer(ends[rows[0]], starts[rows[0]], here)
+        last = _nearer(starts[rows[-1]], ends[rows[-1]], here)
+        apart = np.hypot(*(last - first)) if cut.path.closed else 0.0
         if apart > 0:
-            x, y = (float(cut.path.vertices[k][0]) / 1000 for k in ("x", "y"))
+            x, y = (here / 1000).tolist()
             text = (
                 f"the controller's path from ({x:.3f}, {y:.3f}) mm ends {apart / 1000:.4f} mm "
                 "beside its start: both are rounded to its grid"
@@ -286,16 +308,32 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
     return found
 
 
+def _nearer(
+    inner: NDArray[np.float64], outer: NDArray[np.float64], here: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the end of a first or last block where the path starts: its outer one without a lead.
+
+    Of a wire threaded on its path the lead runs in the outline alone: the path has no block of it.
+    """
+    return outer if np.hypot(*(outer - here)) < np.hypot(*(inner - here)) else inner
+
+
+def _far(why: Diagnostic) -> Diagnostic:
+    """Return the error of a writer whose outline no choice of the grid makes good."""
+    text = f"the outline and the controller's path are both rounded to its grid: {why.message}"
+    return replace(why, code="not-reachable", message=text, span=None, hint=OTHER)
+
+
 def _strays(
     data: bytes, made: Written, plan: Plan, machine: Machine, table: dict[int, float]
-) -> list[Choice]:
-    """Return what was chosen for the motions along which the wire would stray too far."""
+) -> tuple[list[Choice], list[Diagnostic]]:
+    """Return what was chosen for the motions along which the wire strays too far, and an error."""
     from wedmcam.frontends.iso import read
     from wedmcam.judge.judge import judge
 
     program, found = decode(data, machine, "program", table.get)
     if has_errors(found):
-        return []  # another place of the grid is no cure for that
+        return [], []  # another place of the grid is no cure for that
     outline, _ = read(data, machine, "program", table.get)
     rows = {
         span.line: mark
@@ -311,7 +349,8 @@ def _strays(
         free_moves=machine.move_um is None,
     )
     if not has_errors(found):
-        return []
+        return [], []
+    far = [_far(d) for d in found if d.code in FAR and d.severity is Severity.ERROR][:1]
     t = verdict.table
     keeps = {k + 1: cut.keeps_left for k, cut in enumerate(plan.cuts)}
     left = np.array([keeps.get(int(n)) is True for n in t.cut])
@@ -322,7 +361,7 @@ def _strays(
     lines = {getattr(program.spans[int(n) - 1], "line", 0) for n in t.block[off]}
     marks = {rows[line] for line in lines if line in rows}
     chosen = {tuple(made.chosen[m].tolist()) for m in marks if m < len(made.chosen)}
-    return [c for c in sorted(chosen) if c[0] >= 0]
+    return [c for c in sorted(chosen) if c[0] >= 0], far
 
 
 def grid_of(machine: Machine) -> Grid:

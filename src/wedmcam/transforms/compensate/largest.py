@@ -28,7 +28,7 @@ FIRST_UM, FACTOR = 60.0, 4.0
 #: Holes and slots are limited by half their size, but for up to this, um: a path has a width,
 #: and at the very half all sides of a polygon about a circle meet in one place.
 BELOW_UM = 2.0
-#: How exactly the limit is found, um.
+#: A wire so little larger than a limit of whole um is still told to be at it, um.
 EXACT_UM = 0.05
 
 
@@ -37,7 +37,7 @@ class Largest:
     """What limits the offset of outlines.
 
     Attributes:
-        offset_um: a wire at this offset fits, all larger ones up to the limit within `EXACT_UM`.
+        offset_um: a wire at this offset fits; the limit is above it, within the same whole um.
         limit: what is in the way of larger ones; None where that was not looked for any farther.
     """
 
@@ -47,7 +47,12 @@ class Largest:
     @property
     def nearest_um(self) -> int:
         """The limit in whole um: 1 um less fits, 1 um more does not."""
-        return int(np.ceil(self.offset_um - EXACT_UM))
+        return _whole(self.offset_um)
+
+
+def _whole(offset_um: float) -> int:
+    """Return the whole um above an offset that fits; it may be over the limit by `EXACT_UM`."""
+    return int(np.floor(offset_um - EXACT_UM + 1e-9)) + 1
 
 
 def largest_offset(
@@ -55,8 +60,9 @@ def largest_offset(
 ) -> Largest:
     """Return the largest offset without interference, and what limits it.
 
-    Looks at fillets, necks and slots, not at sharp corners. The result is within `EXACT_UM` below
-    the true limit; ``limit_um`` with None when nothing limits the offset up to there.
+    Looks at fillets, necks and slots, not at sharp corners. The result is at most 1 um below the
+    true limit, and in the same whole um; ``limit_um`` with None when nothing limits the offset up
+    to there.
 
     Args:
         outlines: contours of one part, um, none of which crosses itself or another one.
@@ -86,13 +92,15 @@ def largest_offset(
             low = step
         else:
             high = step
-    while worst is not None and high - low > EXACT_UM:
-        middle = 0.5 * (low + high)
-        found = trouble(middle)
+    # Only whole um are told, and trials near the limit are slow: no more of them than needed.
+    least, most = _whole(low), int(np.ceil(high - EXACT_UM - 1e-9))
+    while worst is not None and least < most:
+        middle = (least + most) // 2
+        found = trouble(middle + EXACT_UM)
         if found is None:
-            low = middle
+            low, least = middle + EXACT_UM, middle + 1
         else:
-            high, worst = middle, found
+            most, worst = middle, found
     if worst is not None and radius is not None and 0 <= low - radius.size <= CORNER_UM:
         return Largest(radius.size, radius)  # a fillet up to half a step smaller is a corner
     return Largest(low, worst)

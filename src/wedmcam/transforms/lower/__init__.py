@@ -134,8 +134,9 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     The program starts at the thread point of the first cut. Blocks carry role, cut number and
     source. Every arc ends on a whole micron that the next block starts from.
 
-    Findings: ``move-too-long`` (error), ``radius-over-limit`` (warning: chords),
-    ``cannot-lower`` (error), ``blocks-split`` and ``specks-dropped`` (notes).
+    Findings: ``move-too-long``, ``stop-too-short``, ``overcut-too-short`` and ``cannot-lower``
+    (errors), ``radius-over-limit`` (warning: chords), ``blocks-split`` and ``specks-dropped``
+    (notes).
     """
     found: list[Diagnostic] = []
     plan = in_steps(plan, rules.step_um)
@@ -176,8 +177,38 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
                 f"{splits} arcs were split so that the path stays within {2 * rules.step_um:g} um",
             )
         )
+    short = _short_marks(s, course, plan, rules)
+    if short:
+        return None, found + short
     program, more = _blocks(s, course, plan, rules)
     return program, found + more
+
+
+def _short_marks(s: _State, course: Course, plan: Plan, rules: Rules) -> list[Diagnostic]:
+    """Return errors where a stop or an overcut begins and ends on one step: it would be none.
+
+    A pause on the step of the thread point is the end of the cut, to the machine as to the judge.
+    """
+    found = []
+    for name, index, vertex, others in course.marks:
+        x, y = int(s.gx[vertex]), int(s.gy[vertex])
+        if all((x, y) != (int(s.gx[v]), int(s.gy[v])) for v in others):
+            continue
+        cut, per = plan.cuts[index], rules.per_mm
+        length = cut.stop_um if name == "stop" else cut.overcut_um
+        at = f"({x / per:.3f}, {y / per:.3f}) mm"
+        found.append(
+            error(
+                f"{name}-too-short",
+                f"the {name} of {length / per:.3f} mm of cut {index + 1} is lost on the grid of "
+                f"the machine's steps: {at}, where it ends, is also where the cut "
+                + ("does, or its thread point" if name == "stop" else "closes"),
+                cut.path.source_of(0),
+                hint=f"a longer --{name}, or none",
+                points_mm=((x / per, y / per),),
+            )
+        )
+    return found
 
 
 def _state(course: Course) -> _State:

@@ -7,6 +7,7 @@ vertices of the way in. So whatever micron a vertex is put on, the path closes e
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,22 @@ from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Segments
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Role
+
+
+class Mark(NamedTuple):
+    """Where a stop or an overcut ends, and where it may not: on one step it would be none.
+
+    Attributes:
+        name: "stop" or "overcut".
+        cut: index of the cut.
+        vertex: where it is.
+        others: vertices that must lie on other steps.
+    """
+
+    name: str
+    cut: int
+    vertex: int
+    others: tuple[int, ...]
 
 
 @dataclass(slots=True)
@@ -45,6 +62,8 @@ class Course:
     begins: dict[int, int] = field(default_factory=dict)
     #: (group, cut index) of each cut's groups, in order: what stands between two D.
     cut_groups: list[list[int]] = field(default_factory=list)
+    #: Places that no step of the machine may make one.
+    marks: list[Mark] = field(default_factory=list)
 
     def vertex(self, x: float, y: float, pinned: bool = False) -> int:
         """Add a vertex and return its number. A pinned one stays on its nearest micron."""
@@ -136,6 +155,13 @@ def _lay_cut(course: Course, cut: Cut, index: int) -> None:
     number = index + 1
     groups = [group]
     course.extend(lead_in, group, number, 0)
+    if stop_at is not None:
+        there = path.v0[stop_at] if stop_at < len(path.v0) else last
+        course.marks.append(Mark("stop", index, there, (thread, last)))
+    if over_at is not None:
+        there = path.v1[over_at - 1] if over_at else first
+        course.marks.append(Mark("overcut", index, there, (first,)))
+    stop_at = len(path.v0) if stop_at is None else stop_at
     course.extend(path.part(0, stop_at), group, number, keeps)
     if stop_at < len(path.v0):
         group += 1
@@ -152,8 +178,11 @@ def _lay_cut(course: Course, cut: Cut, index: int) -> None:
     course.cut_groups.append(groups)
 
 
-def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int, int]:
-    """Return the path as rows, and the rows at which the stop and the end of the overcut lie."""
+def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int | None, int | None]:
+    """Return the path as rows, and the rows before which the stop and the end of the overcut lie.
+
+    None where there is none.
+    """
     contour = cut.path
     s = seg.of_rows(contour.starts, contour.ends)
     total = float(s.length.sum())
@@ -167,7 +196,8 @@ def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int, int]:
     vx, vy, source = v["x"], v["y"], v["source"]
     n = len(s)
     first = here = course.vertex(vx[0], vy[0], pinned=True)
-    stop_row = over_row = 0
+    stop_row: int | None = None
+    over_row: int | None = None
     for k in range(n):
         low, high = float(begin_at[k]), float(ends_at[k])
         for mark in marks:
@@ -176,9 +206,9 @@ def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int, int]:
                 _append(rows, here, there, s, k, int(source[k]), base)
                 here, low = there, mark
             if abs(low - mark) <= 0.5:
-                if mark == stop and not stop_row:
+                if mark == stop and stop_row is None:
                     stop_row = len(rows.v0)
-                if mark == over and not over_row:
+                if mark == over and over_row is None:
                     over_row = len(rows.v0)
         if contour.closed and k == n - 1:
             there = first
@@ -186,9 +216,9 @@ def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int, int]:
             there = course.vertex(vx[k + 1], vy[k + 1], pinned=k == n - 1)
         _append(rows, here, there, s, k, int(source[k]), base)
         here = there
-    if stop is None or not stop_row:
+    if stop is not None and stop_row is None:
         stop_row = len(rows.v0)
-    if over is not None and not over_row:
+    if over is not None and over_row is None:
         over_row = len(rows.v0)
     return rows, stop_row, over_row
 

@@ -163,6 +163,16 @@ def test_wildcards_and_names():
     assert widths(made) == {(0, Side.DIE): 19.78, (40, Side.DIE): 19.78, (80, Side.PART): 20.22}
 
 
+def test_what_names_a_layer_is_no_wildcard_for_others():
+    def draw(_, m):
+        rectangle(m, "D1", 0, 0)
+        rectangle(m, "DX", 40, 0)
+
+    data = drawing(draw).replace(b"\nD1\n", b"\nD*\n")
+    made = compiled(data, layer_sides={"D*": "die"})
+    assert widths(made) == {(0, Side.DIE): 19.78, (40, Side.PART): 20.22}
+
+
 def test_a_layer_that_is_not_there():
     made = wedmcam.compile(both(), name="b.dxf", offset=0.11, layer_sides={"DYE": "die"})
     assert [d.code for d in made.findings] == ["no-such-layer"]

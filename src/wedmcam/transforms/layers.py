@@ -7,7 +7,7 @@ drawn once more as that of its die, and neither a copy nor a crossing of it is o
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -47,10 +47,13 @@ class Group:
     contours: tuple[Contour, ...]
 
 
-def rule_of(layer: str, options: Options) -> Rule:
-    """Return how the contours of a layer are cut; a name counts before a wildcard."""
-    side = _said(layer, options.layer_sides)
-    offset = _said(layer, options.layer_offsets)
+def rule_of(layer: str, options: Options, names: Collection[str] = ()) -> Rule:
+    """Return how the contours of a layer are cut; a name counts before a wildcard.
+
+    ``names``: of all layers, case folded: what names one of them is no wildcard for others.
+    """
+    side = _said(layer, options.layer_sides, names)
+    offset = _said(layer, options.layer_offsets, names)
     stated = side or options.side
     if stated is None:
         stated_side = Side.PART if (offset or options.offset_um) else Side.ON
@@ -59,13 +62,16 @@ def rule_of(layer: str, options: Options) -> Rule:
     return Rule(stated_side, stated is not None, offset, options.taken_um(stated_side))
 
 
-def _said(layer: str, said: Sequence[tuple[str, T]]) -> T | None:
+def _said(layer: str, said: Sequence[tuple[str, T]], names: Collection[str]) -> T | None:
     """Return what is said of a layer: under its name, else under the first wildcard for it."""
     name = layer.casefold()
-    for match in (str.__eq__, fnmatch.fnmatchcase):
-        for pattern, value in said:
-            if match(name, pattern.casefold()):
-                return value
+    patterns = [(pattern.casefold(), value) for pattern, value in said]
+    for pattern, value in patterns:
+        if pattern == name:
+            return value
+    for pattern, value in patterns:
+        if pattern not in names and fnmatch.fnmatchcase(name, pattern):
+            return value
     return None
 
 
@@ -78,7 +84,8 @@ def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], 
     layers = [_layer(s) for s in sketch.sources]
     if not (options.layer_sides or options.layer_offsets):
         return [(rule_of("", options), sketch)], []
-    rules = {layer: rule_of(layer, options) for layer in dict.fromkeys(layers)}
+    names = {layer.casefold() for layer in layers}
+    rules = {layer: rule_of(layer, options, names) for layer in dict.fromkeys(layers)}
     used = sketch.segments["source"]
     cut = {layers[k] for k in np.unique(used[used >= 0]).tolist()}
     groups: list[tuple[Rule, Sketch]] = []

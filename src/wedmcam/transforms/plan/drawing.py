@@ -148,13 +148,15 @@ def _plates(cuts: Sequence[ShapedCut]) -> list[Diagnostic]:
     punches = [c for cut in cuts if cut.plate for c in cut.figure]
     if not punches:
         return []
+    one = len(punches) == 1
     v = punches[0].vertices
     x, y = float(v["x"][0]) / 1000, float(v["y"][0]) / 1000
     return [
         warning(
             "two-plates",
-            f"{len(punches)} contours to keep lie in openings of a die, the first at "
-            f"({x:.3f}, {y:.3f}) mm: they are the last to be cut, from a second plate",
+            f"{'1 contour' if one else f'{len(punches)} contours'} of punches "
+            f"{'lies' if one else 'lie'} in openings of a die, {'' if one else 'the first '}at "
+            f"({x:.3f}, {y:.3f}) mm: the last to be cut, from a second plate",
             punches[0].source_of(0),
             points_mm=((x, y),),
             hint="change the plate at the pause before them; or --layer, one program for each",

@@ -108,7 +108,8 @@ def _run(planned: PlannedPath, piece: Piece) -> PlannedPath:
 def _inner_corners(count: int, wire_um: float, words: Wording) -> Diagnostic:
     return note(
         "inner-corners",
-        f"{count} sharp inner corners keep the radius of the wire, {wire_um / 1000:.3f} mm",
+        f"{count} sharp inner corner{' keeps' if count == 1 else 's keep'} the radius of the wire, "
+        f"{wire_um / 1000:.3f} mm",
         hint=f"{words.corner} rounds the part's own corners, so that punch and die fit",
     )
 

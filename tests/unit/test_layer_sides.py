@@ -173,6 +173,12 @@ def test_what_names_a_layer_is_no_wildcard_for_others():
     assert widths(made) == {(0, Side.DIE): 19.78, (40, Side.PART): 20.22}
 
 
+@pytest.mark.parametrize(("sides", "said"), [({"DIE": "die"}, 0), ({"*": "die"}, 1)])
+def test_a_clearance_that_nothing_takes_is_said(sides, said):
+    made = compiled(both(hole=False), layer_sides=sides, clearance=0.02, clearance_on="punch")
+    assert [d.code for d in made.findings].count("clearance-untaken") == said
+
+
 def test_a_layer_that_is_not_there():
     made = wedmcam.compile(both(), name="b.dxf", offset=0.11, layer_sides={"DYE": "die"})
     assert [d.code for d in made.findings] == ["no-such-layer"]

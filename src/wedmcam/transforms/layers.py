@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, EntityRef, Span, error
+from wedmcam.diag import Diagnostic, EntityRef, Span, error, warning
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.ir.sketch import Sketch
@@ -78,6 +78,8 @@ def _said(layer: str, said: Sequence[tuple[str, T]], names: Collection[str]) -> 
 def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], list[Diagnostic]]:
     """Return a sketch in parts of one rule each; errors for layers that are named and not there.
 
+    And a warning where a clearance was asked for and no part takes it.
+
     What a shop says of the layers of all its drawings may miss in one; what was asked for with this
     drawing in mind may not: its contours would be cut on the wrong side.
     """
@@ -96,7 +98,21 @@ def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], 
         mine = of == number
         if mine.any():
             groups.append((rule, replace(sketch, segments=sketch.segments[mine])))
-    return groups or [(rule_of("", options), sketch)], _missing(cut, options)
+    found = _missing(cut, options)
+    if not found and options.wished("clearance_um") and options.clearance_um:
+        found = _untaken([rule for rule, _ in groups], options)
+    return groups or [(rule_of("", options), sketch)], found
+
+
+def _untaken(rules: Sequence[Rule], options: Options) -> list[Diagnostic]:
+    """Return a warning where no contour takes the clearance that was asked for."""
+    if not rules or any(rule.clearance_um for rule in rules):
+        return []
+    who = options.clearance_on
+    other = "punch" if who == "die" else "die"
+    text = f"--clearance is taken by the {who}, and no contour of the drawing is cut as one"
+    hint = f"--clearance-on {other}, or --layer-side for the layer that is the {who}"
+    return [warning("clearance-untaken", text, hint=hint)]
 
 
 def _missing(cut: set[str], options: Options) -> list[Diagnostic]:

@@ -105,6 +105,40 @@ def test_holes_on_a_layer_of_their_own_are_cut_before_their_plate():
     assert made.plan.cuts[1].scene == made.plan.cuts[2].scene
 
 
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"layer_offsets": {"HOLES": 0.12}},
+        {"layer_offsets": {"OUTER": 0.12}},
+        {"layer_sides": {"HOLES": "part"}},
+        {"layer_sides": {"OUTER": "on"}},
+    ],
+)
+def test_a_hole_is_a_hole_whatever_is_said_of_its_layer(said):
+    def draw(_, m):
+        rectangle(m, "OUTER", 0, 0)
+        m.add_circle((5, 5), 2, dxfattribs={"layer": "HOLES"})
+
+    made = compiled(drawing(draw), **said)
+    hole = next(c for c in made.plan.cuts if len(c.path.vertices) == 1)
+    radius = abs(hole.path.vertices["x"][0] - hole.path.vertices["cx"][0]) / 1000
+    offset = said.get("layer_offsets", {}).get("HOLES", 0.11)
+    assert radius == pytest.approx(2 - offset)
+    assert {row["kept"] for row in made.summary["understood"]} <= {"outside", "inside", None}
+    assert made.summary["understood"][0]["kept"] == "outside"
+
+
+@pytest.mark.parametrize("to", ["on", "part"])
+def test_one_outline_on_two_layers_is_no_hole_in_itself(to):
+    def draw(_, m):
+        rectangle(m, "A", 0, 0)
+        rectangle(m, "B", 0, 0)
+
+    made = compiled(drawing(draw), layer_sides={"B": to}, layer_offsets={"A": 0.15})
+    kept = sorted(str(row["kept"]) for row in made.summary["understood"])
+    assert kept == (["None", "inside"] if to == "on" else ["inside", "inside"])
+
+
 @pytest.mark.parametrize("smaller", [0.0, 0.02, 1.0])
 def test_a_punch_drawn_in_its_die_is_another_plate(smaller):
     def draw(_, m):
@@ -127,6 +161,22 @@ def test_wildcards_and_names():
     sides = [("DIE-*", "die"), ("die[12]", "part")]
     made = compiled(drawing(draw), layer_sides=sides)
     assert widths(made) == {(0, Side.DIE): 19.78, (40, Side.DIE): 19.78, (80, Side.PART): 20.22}
+
+
+def test_what_names_a_layer_is_no_wildcard_for_others():
+    def draw(_, m):
+        rectangle(m, "D1", 0, 0)
+        rectangle(m, "DX", 40, 0)
+
+    data = drawing(draw).replace(b"\nD1\n", b"\nD*\n")
+    made = compiled(data, layer_sides={"D*": "die"})
+    assert widths(made) == {(0, Side.DIE): 19.78, (40, Side.PART): 20.22}
+
+
+@pytest.mark.parametrize(("sides", "said"), [({"DIE": "die"}, 0), ({"*": "die"}, 1)])
+def test_a_clearance_that_nothing_takes_is_said(sides, said):
+    made = compiled(both(hole=False), layer_sides=sides, clearance=0.02, clearance_on="punch")
+    assert [d.code for d in made.findings].count("clearance-untaken") == said
 
 
 def test_a_layer_that_is_not_there():

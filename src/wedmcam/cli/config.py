@@ -106,6 +106,9 @@ def _mm(um: float) -> str:
 
 
 def _text(value: Any) -> str:
+    if isinstance(value, tuple):  # a layer, and what is said of it
+        name, said = value
+        return f"{name}={_mm(said) if isinstance(said, float) else said}"
     if isinstance(value, bool):
         return "true" if value else "false"
     if value is None:

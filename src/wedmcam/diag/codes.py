@@ -442,6 +442,11 @@ CODES: dict[str, Code] = {
         "that is right for a clearance so wide, and a surprise where it is a typing error",
         "check --clearance, --wire and --gap: offset = wire / 2 + gap - clearance",
     ),
+    "clearance-untaken": Code(
+        "A clearance was asked for, and no contour is cut as the one that takes it.",
+        "everything is cut without it: punch and die would not go together",
+        "say who takes it (--clearance-on), or which layer is it (--layer-side NAME=die)",
+    ),
     "two-plates": Code(
         "contours of punches lie in the openings of their dies, and one program cuts both",
         "they cannot come out of one plate: the opening takes the material of the punch",

@@ -7,13 +7,13 @@ drawn once more as that of its die, and neither a copy nor a crossing of it is o
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, EntityRef, Span, error
+from wedmcam.diag import Diagnostic, EntityRef, Span, error, warning
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.ir.sketch import Sketch
@@ -47,10 +47,13 @@ class Group:
     contours: tuple[Contour, ...]
 
 
-def rule_of(layer: str, options: Options) -> Rule:
-    """Return how the contours of a layer are cut; a name counts before a wildcard."""
-    side = _said(layer, options.layer_sides)
-    offset = _said(layer, options.layer_offsets)
+def rule_of(layer: str, options: Options, names: Collection[str] = ()) -> Rule:
+    """Return how the contours of a layer are cut; a name counts before a wildcard.
+
+    ``names``: of all layers, case folded: what names one of them is no wildcard for others.
+    """
+    side = _said(layer, options.layer_sides, names)
+    offset = _said(layer, options.layer_offsets, names)
     stated = side or options.side
     if stated is None:
         stated_side = Side.PART if (offset or options.offset_um) else Side.ON
@@ -59,18 +62,23 @@ def rule_of(layer: str, options: Options) -> Rule:
     return Rule(stated_side, stated is not None, offset, options.taken_um(stated_side))
 
 
-def _said(layer: str, said: Sequence[tuple[str, T]]) -> T | None:
+def _said(layer: str, said: Sequence[tuple[str, T]], names: Collection[str]) -> T | None:
     """Return what is said of a layer: under its name, else under the first wildcard for it."""
     name = layer.casefold()
-    for match in (str.__eq__, fnmatch.fnmatchcase):
-        for pattern, value in said:
-            if match(name, pattern.casefold()):
-                return value
+    patterns = [(pattern.casefold(), value) for pattern, value in said]
+    for pattern, value in patterns:
+        if pattern == name:
+            return value
+    for pattern, value in patterns:
+        if pattern not in names and fnmatch.fnmatchcase(name, pattern):
+            return value
     return None
 
 
 def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], list[Diagnostic]]:
     """Return a sketch in parts of one rule each; errors for layers that are named and not there.
+
+    And a warning where a clearance was asked for and no part takes it.
 
     What a shop says of the layers of all its drawings may miss in one; what was asked for with this
     drawing in mind may not: its contours would be cut on the wrong side.
@@ -78,7 +86,8 @@ def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], 
     layers = [_layer(s) for s in sketch.sources]
     if not (options.layer_sides or options.layer_offsets):
         return [(rule_of("", options), sketch)], []
-    rules = {layer: rule_of(layer, options) for layer in dict.fromkeys(layers)}
+    names = {layer.casefold() for layer in layers}
+    rules = {layer: rule_of(layer, options, names) for layer in dict.fromkeys(layers)}
     used = sketch.segments["source"]
     cut = {layers[k] for k in np.unique(used[used >= 0]).tolist()}
     groups: list[tuple[Rule, Sketch]] = []
@@ -89,7 +98,21 @@ def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], 
         mine = of == number
         if mine.any():
             groups.append((rule, replace(sketch, segments=sketch.segments[mine])))
-    return groups or [(rule_of("", options), sketch)], _missing(cut, options)
+    found = _missing(cut, options)
+    if not found and options.wished("clearance_um") and options.clearance_um:
+        found = _untaken([rule for rule, _ in groups], options)
+    return groups or [(rule_of("", options), sketch)], found
+
+
+def _untaken(rules: Sequence[Rule], options: Options) -> list[Diagnostic]:
+    """Return a warning where no contour takes the clearance that was asked for."""
+    if not rules or any(rule.clearance_um for rule in rules):
+        return []
+    who = options.clearance_on
+    other = "punch" if who == "die" else "die"
+    text = f"--clearance is taken by the {who}, and no contour of the drawing is cut as one"
+    hint = f"--clearance-on {other}, or --layer-side for the layer that is the {who}"
+    return [warning("clearance-untaken", text, hint=hint)]
 
 
 def _missing(cut: set[str], options: Options) -> list[Diagnostic]:

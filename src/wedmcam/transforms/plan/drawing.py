@@ -64,26 +64,55 @@ def cuts_of_drawing(
         item = _item(group.rule)
         cut = ShapedCut(item, group.contours, starts, order=order, nesting=nesting)
         return (cut,), [*found, *_behind(group, options)]
-    cuts = []
+    dies = [c for g in groups if g.rule.side is Side.DIE for c in g.contours if c.closed]
+    parted: list[tuple[Group, int, tuple[Contour, ...]]] = []
     for group in groups:
-        dies = [c for g in groups if g.rule.side is Side.DIE for c in g.contours if c.closed]
         punch = _within(group.contours, dies) if group.rule.side is Side.PART else set()
         for plate in (0, 1):
             mine = tuple(c for k, c in enumerate(group.contours) if (k in punch) == bool(plate))
             if mine:
-                item = _item(group.rule)
-                own = ShapedCut(
-                    item,
-                    mine,
-                    starts,
-                    order=order,
-                    nesting=nest(mine),
-                    plate=plate,
-                    of_drawing=True,
-                )
-                cuts.append(own)
+                parted.append((group, plate, mine))
         found += _behind(group, options)
+    cuts = []
+    for group, plate, mine in parted:
+        others = [
+            c
+            for g, at, theirs in parted
+            if g is not group
+            and (g.rule.side is Side.ON or (g.rule.side is group.rule.side and at == plate))
+            for c in theirs
+        ]
+        own = ShapedCut(
+            _item(group.rule),
+            mine,
+            starts,
+            order=order,
+            nesting=_nested(mine, others),
+            plate=plate,
+            of_drawing=True,
+        )
+        cuts.append(own)
     return tuple(cuts), [*found, *_plates(cuts)]
+
+
+def _nested(mine: tuple[Contour, ...], others: Sequence[Contour]) -> Nesting:
+    """Return how contours lie in each other, those of other layers counted.
+
+    A hole is a hole whatever the offset of its layer: the outline round it, of the same side or on
+    the line, may have another. One outline that is drawn twice is no contour round itself.
+    """
+    others = [c for c in others if c.closed]
+    if others:
+        boxes = measure.extents_of_all([(c.vertices, c.closed) for c in (*mine, *others)])
+        own, theirs = boxes[: len(mine)], boxes[len(mine) :]
+        others = [
+            c
+            for c, box in zip(others, theirs, strict=True)
+            if np.abs(own - box).max(axis=1).min() >= EQUAL_UM
+        ]
+    every = nest((*mine, *others))
+    parents = tuple(p if p < len(mine) else -1 for p in every.parents[: len(mine)])
+    return Nesting(mine, every.depths[: len(mine)], parents)
 
 
 def _item(rule: Rule) -> CutItem:
@@ -119,13 +148,15 @@ def _plates(cuts: Sequence[ShapedCut]) -> list[Diagnostic]:
     punches = [c for cut in cuts if cut.plate for c in cut.figure]
     if not punches:
         return []
+    one = len(punches) == 1
     v = punches[0].vertices
     x, y = float(v["x"][0]) / 1000, float(v["y"][0]) / 1000
     return [
         warning(
             "two-plates",
-            f"{len(punches)} contours to keep lie in openings of a die, the first at "
-            f"({x:.3f}, {y:.3f}) mm: they are the last to be cut, from a second plate",
+            f"{'1 contour' if one else f'{len(punches)} contours'} of punches "
+            f"{'lies' if one else 'lie'} in openings of a die, {'' if one else 'the first '}at "
+            f"({x:.3f}, {y:.3f}) mm: the last to be cut, from a second plate",
             punches[0].source_of(0),
             points_mm=((x, y),),
             hint="change the plate at the pause before them; or --layer, one program for each",

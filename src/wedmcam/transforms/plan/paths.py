@@ -108,7 +108,8 @@ def _run(planned: PlannedPath, piece: Piece) -> PlannedPath:
 def _inner_corners(count: int, wire_um: float, words: Wording) -> Diagnostic:
     return note(
         "inner-corners",
-        f"{count} sharp inner corners keep the radius of the wire, {wire_um / 1000:.3f} mm",
+        f"{count} sharp inner corner{' keeps' if count == 1 else 's keep'} the radius of the wire, "
+        f"{wire_um / 1000:.3f} mm",
         hint=f"{words.corner} rounds the part's own corners, so that punch and die fit",
     )
 
@@ -135,7 +136,7 @@ def interference(
             hints[item.outline] = (
                 f"{'at most' if fits else 'less than'} {most / 1000:.3f} mm fits this contour"
             )
-            if not trim:
+            if not trim and item.kind != "vanished":  # trimmed, nothing is left of that one
                 hints[item.outline] += "; --on-interference trim cuts what the wire can reach"
         x, y = item.at[0] / 1000, item.at[1] / 1000
         place = f"({x:.3f}, {y:.3f}) mm"
@@ -149,6 +150,7 @@ def interference(
             text = f"the wire beside this contour meets another contour at {place}"
         elif item.kind == "vanished":
             text = f"the contour at {place} is too small for the offset {offset:.3f} mm"
+            text += ": it is not cut" if trim else ""
         else:
             text = f"a passage at {place} is too narrow for a wire at offset {offset:.3f} mm{lost}"
         found.append(

@@ -81,6 +81,23 @@ def test_field_circle_twice():
     assert says(proof, "cut-twice") == [(Severity.ERROR, said)]
 
 
+def test_a_way_in_or_out_in_more_blocks_is_the_same_way():
+    made = lf.compiled("wed, one circle")
+    lead_in, circle, lead_out, end = made.data.decode().split()
+    assert (lead_in, lead_out) == ("B550B0B550GXL1", "B550B0B550GXL3")
+    there, back = (["B300B0B300GX" + z, "B250B0B250GX" + z] for z in ("L1", "L3"))
+    for lines in ([*there, circle, lead_out], [lead_in, circle, *back], [*there, circle, *back]):
+        proof = api.verify(
+            "\n".join([*lines, end]).encode(),
+            against=lf.CASES["wed, one circle"][0].encode(),
+            against_name="a.wed",
+            name="a.3b",
+            options=made.options,
+        )
+        assert proof.ok
+        assert not {"path-deviation", "other-leads"} & {d.code for d in proof.findings}
+
+
 @pytest.mark.parametrize("times", [2, 3])
 def test_a_second_pass_is_proven_like_the_first(times):
     """A contour of its own once more, threaded anew; and one that is not where the first was."""

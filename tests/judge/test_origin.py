@@ -82,6 +82,24 @@ def test_threaded_elsewhere_it_has_to_be_said():
     assert proof(data, GIVEN, origin_mm=(1.26, 0.5)).status == 3
 
 
+def test_a_wrong_program_on_a_thread_point_that_is_given_has_a_known_origin():
+    *lines, end = program(GIVEN).decode().split()
+    for k, line in enumerate(lines):
+        if "GYNR1" in line:  # a hole, 0.02 mm too large
+            x = int(line[1:].split("B")[0])
+            lines[k - 1], lines[k + 1] = (
+                old.replace(str(int(old[1:].split("B")[0])), str(int(old[1:].split("B")[0]) + 20))
+                for old in (lines[k - 1], lines[k + 1])
+            )
+            lines[k] = f"B{x + 20}B0B{4 * (x + 20)}GYNR1"
+            break
+    done = proof("\n".join([*lines, end]).encode(), GIVEN)
+    assert done.status == 3
+    said = codes(done.findings, Severity.ERROR)
+    assert said
+    assert "origin-unknown" not in said
+
+
 def test_starts_that_are_typed_are_given_too():
     data = program(FREE, starts=[(1.25, 0.5)])
     assert proof(data, FREE, starts=[(1.25, 0.5)]).status == 0

@@ -129,6 +129,8 @@ def _elsewhere(
         more_cuts = len(best.verdict.cuts) > len(first.verdict.cuts)
         nearer = best.verdict.max_deviation_um < first.verdict.max_deviation_um
         return (best, notes) if best.verdict.ok or more_cuts or nearer else (first, [])
+    if not best.verdict.ok and fitted.origin in (threads[0], *places):
+        return best, []  # it starts where it may, and is wrong
     if how.fit:
         return best, [replace(d, severity=Severity.WARNING) for d in notes]
     x, y = (v * decoded.step_um / 1000.0 for v in fitted.origin)

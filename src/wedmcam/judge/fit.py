@@ -147,8 +147,9 @@ def _refine(
     paths, _ = of_contours([c.path for c in plan.cuts])
     xs, ys = [], []
     shifted, every_cut = np.array(boxes) - np.array([*shift, *shift]), np.arange(len(boxes))
+    length = way.lengths()
     for piece in held:
-        lying, k = lies_on(way, piece, plan.cuts, shifted, every_cut)
+        lying, k = lies_on(way, piece, plan.cuts, shifted, every_cut, length)
         if k < 0:
             continue
         x, y, _ = way.points(lying.index[lying.first : lying.last])

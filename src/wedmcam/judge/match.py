@@ -369,10 +369,11 @@ def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
     """
     wanted = np.array([path_box(c) for c in plan.cuts]).reshape(-1, 4)
     free = np.ones(len(wanted), bool)
+    length = way.lengths()
     out = []
     for piece in pieces(way):
         for left in (free, ~free):
-            held, k = lies_on(way, piece, plan.cuts, wanted, np.flatnonzero(left))
+            held, k = lies_on(way, piece, plan.cuts, wanted, np.flatnonzero(left), length)
             if k >= 0:
                 free[k] = False
                 break
@@ -381,25 +382,31 @@ def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
 
 
 def lies_on(
-    way: Walk, piece: Piece, cuts: Sequence[Cut], wanted: Floats, numbers: Ints
+    way: Walk, piece: Piece, cuts: Sequence[Cut], wanted: Floats, numbers: Ints, length: Floats
 ) -> tuple[Piece, int]:
-    """Return a piece as a run of one of the cuts ``numbers``, and which; -1 for none of them."""
+    """Return a piece as a run of one of the cuts ``numbers``, and which; -1 for none of them.
+
+    ``wanted`` are the boxes of all cuts, ``length`` is that of each block (`Walk.lengths`).
+    """
     for k in numbers.tolist() if not piece.closed else ():
         held = _along(way, piece, cuts[k])
         if held is not None and np.abs(wanted[k] - held.box).max() <= SAME_BOX:
             return held, k
-    best, least = (piece, -1), np.inf
+    best, least = (piece, -1), (np.inf, np.inf)
     for held in itertools.chain((piece,), _others(way, piece)) if len(numbers) else ():
         off = np.abs(wanted[numbers] - held.box).max(axis=1)
         k = int(numbers[int(off.argmin())])
         if off.min() > SAME_BOX:
             continue
-        # Leads within the box of a contour are told from it by what it goes round.
+        # Leads within the box of a contour are told from it by what it goes round; where they go
+        # round nothing, one in more blocks than the other, by how long it is.
         path = of_contour(cuts[k].path)
-        apart = abs(abs(held.area) - abs(path_area(path)))
-        if apart < least:
-            best, least = (held, k), apart
-        if apart <= RECOMPUTED * float(path.length.sum()) or not held.closed:
+        whole = float(path.length.sum())
+        apart = max(abs(abs(held.area) - abs(path_area(path))) - RECOMPUTED * whole, 0.0)
+        long = float(length[held.index[held.first : held.last]].sum())
+        if (apart, long) < least:
+            best, least = (held, k), (apart, long)
+        if not held.closed or (apart == 0.0 and long <= whole + SAME_LEAD):
             break
     return best
 

@@ -121,9 +121,13 @@ def _moved(drawn: Drawn, options: Options, by: Isometry) -> tuple[Drawn, Options
     for p in drawn.sketch.thread_points:
         x, y = by.point(p.x, p.y)
         points.append(replace(p, x=x, y=y))
-    contours = counter_clockwise(tuple(by.contour(c) for c in drawn.contours))
+    groups = tuple(
+        replace(g, contours=counter_clockwise(tuple(by.contour(c) for c in g.contours)))
+        for g in drawn.groups
+    )
+    contours = tuple(c for g in groups for c in g.contours)
     sketch = replace(drawn.sketch, thread_points=tuple(points))
-    moved = replace(drawn, sketch=sketch, contours=contours, nesting=nest(contours))
+    moved = replace(drawn, sketch=sketch, contours=contours, nesting=nest(contours), groups=groups)
     return moved, replace(options, starts_um=tuple(by.point(*s) for s in options.starts_um))
 
 

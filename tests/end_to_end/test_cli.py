@@ -74,7 +74,7 @@ TABLE = [
     ("compile part.dxf -o x.pdf --offset 0.1", 2, "--to"),
     ("compile part.dxf --offset 0.1", 2, "-o"),
     ("compile part.dxf -o x.3b --offset abc", 2, "no length"),
-    ("compile part.dxf -o x.3b --offset -0.1", 2, "negative"),
+    ("compile part.dxf -o x.3b --offset -0.1", 2, "takes 0 to 100 m"),
     ("compile part.dxf -o x.3b --offset 0.1 --wire 0.2 --gap 0.01", 2, "not both"),
     ("compile part.dxf -o x.3b --wire 0.2", 2, "go together"),
     ("compile part.dxf -o x.3b --side part", 2, "needs an offset"),

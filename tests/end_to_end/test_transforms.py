@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from test_cli import wedmcam as wedmcam_command
 
@@ -100,10 +101,12 @@ def test_by_how_much_the_arithmetics_differ(name):
     apart = wedmcam.arithmetic_difference(ten, source)
     assert 0 < apart < 0.01
     assert wedmcam.arithmetic_difference(floats, source) == apart
-    # And it is what the two plans show.
-    for a, b in zip(ten.plan.cuts, floats.plan.cuts, strict=True):
-        for k in ("x", "y"):
-            assert abs(a.path.vertices[k] - b.path.vertices[k]).max() <= apart + 5e-5
+    # And about what the vertices of the two plans are; they may slide along, and arcs bulge.
+    far = [
+        np.hypot(*(a.path.vertices[k] - b.path.vertices[k] for k in ("x", "y"))).max()
+        for a, b in zip(ten.plan.cuts, floats.plan.cuts, strict=True)
+    ]
+    assert abs(apart - max(far)) < 0.002
 
 
 def test_paths_of_other_segments_are_compared_by_distance():

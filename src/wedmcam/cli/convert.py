@@ -24,7 +24,7 @@ from wedmcam.cli.tell import tell
 @click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
 @click.option(
     "--copies",
-    type=click.IntRange(0, 99),
+    type=int,
     default=0,
     help="Of a figure in rotation format, 1 to 99.",
 )

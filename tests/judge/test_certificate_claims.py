@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 import json
+from dataclasses import replace
 
 import lead_forgeries as lf
 import pytest
 
 import wedmcam
 from wedmcam import api
+from wedmcam.api import options_in_mm
 from wedmcam.diag import Severity
 from wedmcam.judge import claims
 from wedmcam.options import WrongUse
@@ -46,6 +48,19 @@ def test_an_honest_certificate_holds_without_a_word(made, honest):
     done = proof(made, honest)
     assert done.status == 0
     assert not [d for d in done.findings if d.code == "certificate-differs"]
+
+
+def test_options_without_effect_are_told_to_whoever_typed_them():
+    """An honest certificate holds, whether they were typed for the compile or for the proof."""
+    for compiled, proven in ((None, frozenset()), (frozenset(), None)):
+        asked = options_in_mm(offset=0.05, lead=0.15, ignore_layers=["C*"])
+        typed = replace(asked, wishes=compiled)
+        made = api.compile(DRAWING, options=typed, output_name="a.3b", name="a.dxf")
+        issued = json.loads(json.dumps(made.summary))
+        done = proof(made, issued, options=replace(asked, wishes=proven))
+        assert done.status == 0, [d.message for d in done.findings]
+        told = ["filter-unmatched" in {d.code for d in of.findings} for of in (made, done)]
+        assert told == [compiled is None, proven is None]
 
 
 LIES = {

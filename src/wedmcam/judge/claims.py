@@ -31,8 +31,12 @@ NOT_FIGURES = {
     *("starts_of", "starts_of_toml", "profile_toml"),
 }
 
-#: Codes that tell how this very certificate or the place was found, and not what the program is.
-OF_THE_PROOF = {"certificate-differs", "origin-fitted"}
+#: Codes that tell how this very certificate or the place was found, and not what the program is;
+#: and those of options without effect, which are told only to whoever typed them.
+OF_THE_PROOF = {
+    *("certificate-differs", "origin-fitted"),
+    *("filter-unmatched", "idle-option", "wed-option"),
+}
 
 #: What a proof is asked for with; whoever types other options than a certificate has means them.
 _OPTIONS = ("options.", "number of options.")

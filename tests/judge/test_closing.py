@@ -57,6 +57,20 @@ def test_one_value_of_an_arc_closes_it(block, wrong, closes):
     assert closes in hint
 
 
+@pytest.mark.parametrize(("wrong", "gap"), [(1010, "0.010"), (1001, "0.001"), (9000, "8.000")])
+@pytest.mark.parametrize("out", [False, True])
+def test_a_wrong_lead_displaces_what_follows(wrong, gap, out):
+    lines = SQUARE.split()
+    k, right = (6, "B0B1000B1000GYL4") if out else (0, "B0B1000B1000GYL2")
+    assert lines[k] == right
+    lines[k] = right.replace("B1000G", f"B{wrong}G")
+    ((said, hint),) = told(" ".join(lines))
+    assert said.startswith(
+        f"block 7 should lead back to where the wire is threaded for block 1, and ends {gap} mm"
+    )
+    assert f"J 1000 instead of {wrong} at block {k + 1}" in hint
+
+
 def test_the_direction_of_counting_of_a_line():
     sloping = SQUARE.replace("B5000B0B5000GXL1", "B5000B100B5000GXL1", 1)
     sloping = sloping.replace("B0B10000B10000GYL2", "B0B9900B9900GYL2", 1)

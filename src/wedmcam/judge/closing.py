@@ -48,6 +48,8 @@ class Open(NamedTuple):
         last: one past its last.
         gap: (x, y) from where it started to where it ends, steps.
         meant: it is certain that it was to close.
+        leads: the contour closes, and its leads do not come back to where the wire was threaded:
+            their rows. None where the contour itself is open.
     """
 
     rows: Ints
@@ -55,6 +57,12 @@ class Open(NamedTuple):
     last: int
     gap: tuple[int, int]
     meant: bool
+    leads: Ints | None = None
+
+    @property
+    def asked(self) -> Ints:
+        """Rows of the blocks of which another value would make up for the gap."""
+        return self.rows[self.first : self.last] if self.leads is None else self.leads
 
 
 class Change(NamedTuple):
@@ -131,10 +139,14 @@ def not_closed(
         dx, dy = one.gap
         x, y = way.start[int(one.rows[one.first])].tolist()
         gap = float(np.hypot(dx, dy)) / per
+        begins = int(one.rows[one.first]) + 1
+        missing = f"{gap:.3f} mm from {{}} ({dx / per:+.3f}, {dy / per:+.3f})"
         text = (
-            f"block {row + 1} should close the contour that begins with block "
-            f"{int(one.rows[one.first]) + 1}, and ends {gap:.3f} mm from its start "
-            f"({dx / per:+.3f}, {dy / per:+.3f})"
+            f"block {row + 1} should close the contour that begins with block {begins}, and ends "
+            + missing.format("its start")
+            if one.leads is None
+            else f"block {row + 1} should lead back to where the wire is threaded for block "
+            f"{begins}, and ends " + missing.format("there")
         )
         found.append(
             warning(
@@ -199,8 +211,13 @@ def _open(way: Walk, rows: Ints) -> Iterator[Open]:
         off = np.hypot(*(ends[first + 2 :] - ends[first]).astype(float).T)
         if not len(off):
             continue
-        if (off == 0).any():
-            return  # closed
+        if (off == 0).any():  # closed; what its leads miss displaces all that follows
+            again = first + 2 + len(off) - 1 - int(np.argmin(off[::-1]))
+            leads = np.concatenate([rows[:first], rows[again:]])
+            meant = bool(np.hypot(*gap.astype(float)) <= MEANT_CLOSED)
+            if first and again < n:
+                yield Open(rows, 0, n, (int(gap[0]), int(gap[1])), meant, leads)
+            return
         k = len(off) - 1 - int(np.argmin(off[::-1]))
         near.append((float(off[k]), first, first + 2 + k))
     if not near:
@@ -223,7 +240,7 @@ def _back(way: Walk, rows: Ints, ways: Ints, k: int) -> bool:
 
 def closing_changes(way: Walk, one: Open, quadrant: Quadrant) -> list[Change]:
     """Return the values that would close a contour, one at a time, the likeliest first."""
-    rows = one.rows[one.first : one.last]
+    rows = one.asked
     if len(rows) > ASKED:
         return []
     wanted = way.end[rows] - way.start[rows] - np.array(one.gap)

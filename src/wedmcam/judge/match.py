@@ -95,7 +95,7 @@ def pieces(way: Walk) -> list[Piece]:
     start = end = (0, 0)
     for run in runs(way):
         if held and (not run.joined or end == start):
-            out.append(_piece(way, np.concatenate(held), tuple(pauses)))
+            out += _passes(way, np.concatenate(held), tuple(pauses))
             held, pauses = [], []
         if held:
             pauses.append(sum(len(h) for h in held))
@@ -104,8 +104,29 @@ def pieces(way: Walk) -> list[Piece]:
         held.append(run.index)
         end = run.end
     if held:
-        out.append(_piece(way, np.concatenate(held), tuple(pauses)))
+        out += _passes(way, np.concatenate(held), tuple(pauses))
     return out
+
+
+def _passes(way: Walk, index: Ints, pauses: tuple[int, ...]) -> list[Piece]:
+    """Return blocks as one piece, or as one a pass: in, round and out, and in, round and out again.
+
+    Passes need no pause between them where the wire is back at its thread point.
+    """
+    ends, start = way.end[index], way.start[index[:1]]
+    back = np.flatnonzero((ends[:-1] == start).all(axis=1)) + 1
+    if pauses or not len(back):
+        return [_piece(way, index, pauses)]
+    parts = [_piece(way, part, ()) for part in np.split(index, back)]
+    box, area = parts[0].box, abs(parts[0].area)
+    alike = all(
+        one.first > 0
+        and one.last < len(one.index)
+        and np.abs(one.box - box).max() <= SAME_BOX
+        and abs(one.area) > 0.5 * area > 0
+        for one in parts
+    )
+    return parts if alike else [_piece(way, index, pauses)]
 
 
 def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:

@@ -106,6 +106,15 @@ def extents_of_all(contours: Sequence[tuple[Rows, bool]]) -> Floats:
     return np.column_stack([*lows, *(np.maximum.reduceat(v, starts) for v in (xmax, ymax))])
 
 
+def sizes_of_all(contours: Sequence[tuple[Rows, bool]]) -> tuple[Floats, Floats]:
+    """Return length (um) and signed area (um^2; says nothing of an open one) of each contour."""
+    segments, starts = segments_of_all(contours)
+    count = np.diff([*starts.tolist(), len(segments)])
+    x, y = (np.repeat([float(rows[k][0]) for rows, _ in contours], count) for k in ("x", "y"))
+    areas = segment_areas(segments, (x, y))
+    return np.add.reduceat(segments.length, starts), np.add.reduceat(areas, starts)
+
+
 def point_at(rows: Rows, closed: bool, at_um: float) -> tuple[float, float, int]:
     """Return the point ``at_um`` along a contour from its first vertex, and the row it lies on.
 

@@ -674,14 +674,15 @@ def _meeting(places: Ints, at: Floats, low: float, high: float, room: float) -> 
         room: how far along the route a place may be from where it was to be.
     """
     starts, ends = np.abs(at - low), np.abs(at - high)
-    if high - low > 4.0 * room:
+    # The last of several that stand there.
+    first, last = int(np.argmin(starts)), len(at) - 1 - int(np.argmin(ends[::-1]))
+    if high - low > 4.0 * room and (places[first] != places[last]).any():
         a, b = np.flatnonzero(starts <= room), np.flatnonzero(ends <= room)
         i, j = np.nonzero((places[a][:, None] == places[b][None]).all(axis=2))
         if len(i):
             best = int(np.argmin(starts[a[i]] + ends[b[j]]))
             return int(a[i[best]]), int(b[j[best]])
-    # The last of several that stand there.
-    return int(np.argmin(starts)), len(at) - 1 - int(np.argmin(ends[::-1]))
+    return first, last
 
 
 def _nowhere(way: Walk, row: int) -> str:

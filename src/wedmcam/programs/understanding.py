@@ -24,14 +24,17 @@ from wedmcam.ir.understanding import NAMED, DrawnBy, Role, Row, Thread, Understa
 def understood(plan: Plan) -> Understanding:
     """Return a row a cut, in the order of cutting."""
     known = [cut.outline or cut.path for cut in plan.cuts]
-    boxes = measure.extents_of_all([(c.vertices, c.closed) for c in known])
+    shapes = [(c.vertices, c.closed) for c in known]
+    boxes = measure.extents_of_all(shapes)
+    lengths, areas = measure.sizes_of_all([(c.path.vertices, c.path.closed) for c in plan.cuts])
+    _, drawn = measure.sizes_of_all(shapes)
     freed: set[int] = set()
     rows = []
     for number, (cut, shape, outline, box) in enumerate(
         zip(plan.cuts, known, outline_numbers(plan.cuts), boxes.tolist(), strict=True), 1
     ):
         x, y = (float(cut.path.vertices[k][0]) for k in ("x", "y"))
-        lies = _Lies.of(cut, shape)
+        lies = _Lies.of(cut, shape, float(areas[number - 1]), float(drawn[number - 1]))
         frees = None
         if shape.closed and outline not in freed:  # a second pass frees nothing
             freed.add(outline)
@@ -52,7 +55,7 @@ def understood(plan: Plan) -> Understanding:
                 (x, y),
                 cut.stop_um,
                 cut.overcut_um,
-                measure.length(cut.path.vertices, cut.path.closed),
+                float(lengths[number - 1]),
                 tuple(box),
                 frees,
                 drawn_by(shape),
@@ -69,8 +72,8 @@ class _Lies(NamedTuple):
     direction: str
 
     @classmethod
-    def of(cls, cut: Cut, outline: Contour) -> _Lies:
-        """Return it, measured on both."""
+    def of(cls, cut: Cut, outline: Contour, area: float, drawn: float) -> _Lies:
+        """Return it, measured on both, of which these are the signed areas."""
         if not outline.closed:
             v = cut.path.vertices
             ends = (place((v["x"][k], v["y"][k])) for k in (0, -1))
@@ -79,12 +82,11 @@ class _Lies(NamedTuple):
             )
             return cls(None, way, "from {} to {}".format(*ends))
         if cut.path.closed:
-            area = measure.area(cut.path.vertices)
             ccw = area > 0
-            outside = bool(cut.offset_um) and abs(area) > abs(measure.area(outline.vertices))
+            outside = bool(cut.offset_um) and abs(area) > abs(drawn)
         else:  # what is left of it
             beside = _beside(cut.path, outline)
-            ccw = beside.along == (measure.area(outline.vertices) > 0)
+            ccw = beside.along == (drawn > 0)
             outside = not measure.contains(outline.vertices, *beside.at)[0]
         kept = None if cut.keeps_left is None else "inside" if cut.keeps_left == ccw else "outside"
         way = None if not cut.offset_um else "outside" if outside else "inside"

@@ -81,7 +81,7 @@ def largest_offset(
     radius = _least_inside_radius(outlines, signs)
     size = _half_least_size(outlines, signs)
     # Where the limit often lies: tried on the way up, so that little is left to be searched.
-    likely = [size - BELOW_UM, size + BELOW_UM]
+    likely = [size - BELOW_UM + EXACT_UM, size + BELOW_UM]
     if radius is not None:
         likely += [radius.size, radius.size + CORNER_UM + EXACT_UM]
     low, high, worst = 0.0, limit_um, None

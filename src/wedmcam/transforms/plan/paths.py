@@ -16,7 +16,6 @@ from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.options import Options
 from wedmcam.transforms.compensate import Interference, compensate
-from wedmcam.transforms.compensate.largest import largest_offset
 from wedmcam.transforms.plan.pieces import Piece
 from wedmcam.transforms.plan.scenes import PieceScene
 from wedmcam.transforms.plan.shaped import ShapedCut
@@ -123,6 +122,8 @@ def interference(
     """Return a finding for each place where the wire does not fit: error, or warning if trimmed."""
     if not places:
         return []
+    from wedmcam.transforms.compensate.largest import largest_offset
+
     make = warning if trim else error
     offset = max(map(abs, shifts)) / 1000
     hints: dict[int, str] = {}

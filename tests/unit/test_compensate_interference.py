@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+import wedmcam
+from drawings import drawing
 from oracle import lengths, signed_area
 from parts import circle, contour_of_bulges, rectangle, rounded
 from wedmcam.transforms.compensate import compensate
@@ -193,3 +195,16 @@ def test_step_lower_than_the_wire_is_left_out():
     found = places([contour], [-100.0]).interference
     assert [i.kind for i in found] == ["passage"]
     assert 2 in found[0].rows
+
+
+def test_circles_in_each_other_are_too_near_and_not_too_small():
+    """Of concentric circles the paths change places and cross nowhere."""
+
+    def draw(_, m):
+        for r in (50, 40, 30):
+            m.add_circle((0, 0), r)
+
+    made = wedmcam.compile(drawing(draw), name="rings.dxf", offset=5.001)
+    said = [str(d) for d in made.findings if d.code == "interference"]
+    assert len(said) == 2
+    assert all("meets another contour at" in text for text in said), said

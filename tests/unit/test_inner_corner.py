@@ -187,7 +187,7 @@ def test_field_inner_corner_chamfer(units):
         assert made.status == 0, made.findings
         said = {d.code: d.message for d in made.findings}
         assert set(said) == {"inner-corners", "uncut-corner"}
-        assert said["inner-corners"].startswith("1 sharp inner corners")
+        assert said["inner-corners"].startswith("1 sharp inner corner")
         assert "up to 0.028 mm" in said["uncut-corner"]
 
 

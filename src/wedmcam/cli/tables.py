@@ -102,7 +102,8 @@ def say_inspection(f: dict[str, Any], verbose: bool) -> None:
         rows.append(("smallest", f"radius {text}  {smallest['where']}"))
     largest = f["largest_offset"]
     if largest:
-        text = f"{largest['offset_mm']:.3f} mm with --side {largest['side']}"
+        more = "" if largest["limited_by"] else " or more"
+        text = f"{largest['offset_mm']:.3f} mm{more} with --side {largest['side']}"
         if largest["limited_by"]:
             what = {
                 "radius": "an inside radius",
@@ -111,8 +112,6 @@ def say_inspection(f: dict[str, Any], verbose: bool) -> None:
                 "vanished": "the size of a contour",
             }.get(largest["limited_by"], largest["limited_by"])
             text += f", limited by {what} at {_at(largest['at_mm'])}  {largest['where'] or ''}"
-        else:
-            text += " or more"
         rows.append(("offset up to", text.rstrip()))
     for name, text in rows:
         tell(f"{name:13}{text}")

@@ -127,6 +127,7 @@ def interference(
     make = warning if trim else error
     offset = max(map(abs, shifts)) / 1000
     hints: dict[int, str] = {}
+    alone: set[int] = set()  # those that would fit without their neighbours
     found = []
     for item in places[:LISTED]:
         contour = contours[item.outline]
@@ -134,22 +135,28 @@ def interference(
             sign = float(np.sign(shifts[item.outline]))
             most = largest_offset([contour], [sign], 1000.0 * offset).nearest_um
             fits = not compensate([contour], [sign * most])[0].interference
+            if fits and most >= 1000.0 * offset:
+                alone.add(item.outline)
             hints[item.outline] = (
                 f"{'at most' if fits else 'less than'} {most / 1000:.3f} mm fits this contour"
             )
             if not trim and item.kind != "vanished":  # trimmed, nothing is left of that one
                 hints[item.outline] += "; --on-interference trim cuts what the wire can reach"
-        x, y = item.at[0] / 1000, item.at[1] / 1000
+        kind, (x, y) = item.kind, item.at
+        if kind == "vanished" and item.outline in alone:
+            # Of circles in each other the paths change places and cross nowhere.
+            kind, (x, y) = "neighbour", (float(v) for v in contour.vertices[0][["x", "y"]])
+        x, y = x / 1000, y / 1000
         place = f"({x:.3f}, {y:.3f}) mm"
         lost = f", {len(item.rows)} segments are not reached" if len(item.rows) > 1 else ""
-        if item.kind == "radius":
+        if kind == "radius":
             text = (
                 f"the inside radius {item.size / 1000:.3f} mm at {place} is smaller than the "
                 f"offset {offset:.3f} mm{lost}"
             )
-        elif item.kind == "neighbour":
+        elif kind == "neighbour":
             text = f"the wire beside this contour meets another contour at {place}"
-        elif item.kind == "vanished":
+        elif kind == "vanished":
             text = f"the contour at {place} is too small for the offset {offset:.3f} mm"
             text += ": it is not cut" if trim else ""
         else:
@@ -160,7 +167,7 @@ def interference(
                 text,
                 contour.source_of(item.row),
                 points_mm=((x, y),),
-                hint=hints[item.outline] if item.kind != "neighbour" else None,
+                hint=hints[item.outline] if kind != "neighbour" else None,
             )
         )
     if len(places) > LISTED:

@@ -350,3 +350,31 @@ def test_what_was_understood_of_a_wire_behind_its_line():
     assert row.offset_text == "wire 0.040 mm outside, clearance 0.150 mm"
     row = compiled(data, side="die", clearance=0.11).understood.rows[0]
     assert row.offset_text == "wire on the line, clearance 0.110 mm"
+
+
+def test_parts_of_one_plate_keep_out_of_each_other(monkeypatch):
+    def draw(_, m):
+        rectangle(m, "PUNCH", 0, 0)
+        rectangle(m, "DIE", 20.05, 0)
+
+    data = drawing(draw)
+    asked = {"offset": 0.11, "layer_sides": {"DIE": "die"}, "clearance": 0.2}
+    made = wedmcam.compile(data, name="n.dxf", **asked)
+    found = [d for d in made.findings if d.severity.name == "ERROR"]
+    assert [d.code for d in found] == ["interference"] * 2
+    assert "enters what is kept of another one" in found[0].message
+    # And the judge finds it by itself.
+    monkeypatch.setattr("wedmcam.transforms.plan.planner.beside", lambda *_: [])
+    made = wedmcam.compile(data, name="n.dxf", **asked)
+    found = [d for d in made.findings if d.severity.name == "ERROR"]
+    assert [d.code for d in found] == ["gouge"]
+    assert made.status == 3
+
+
+def test_a_round_die_takes_its_clearance():
+    data = drawing(lambda _, m: m.add_circle((5, 5), 3, dxfattribs={"layer": "DIE"}))
+    for clearance, radius in ((0.02, 2.91), (0.11, 3.0), (0.3, 3.19)):
+        made = compiled(data, side="die", clearance=clearance)
+        path = made.plan.cuts[0].path.vertices
+        assert abs(path["x"][0] - path["cx"][0]) / 1000 == pytest.approx(radius)
+        assert made.verdict.gouge_um < 1.6

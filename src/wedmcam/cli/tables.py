@@ -102,8 +102,8 @@ def say_inspection(f: dict[str, Any], verbose: bool) -> None:
         rows.append(("smallest", f"radius {text}  {smallest['where']}"))
     largest = f["largest_offset"]
     if largest:
-        more = "" if largest["limited_by"] else " or more"
-        text = f"{largest['offset_mm']:.3f} mm{more} with --side {largest['side']}"
+        open_ = "" if largest["limited_by"] else " or more"
+        text = f"{largest['offset_mm']:.3f} mm{open_} with --side {largest['side']}"
         if largest["limited_by"]:
             what = {
                 "radius": "an inside radius",

@@ -110,6 +110,8 @@ class Scene:
         first: how many outlines of the plan come before these.
         clearances: how far behind each one the kept material begins, um; empty for nowhere.
         plate: scenes of different plates are cut from different pieces of material.
+        beside: the wire of other scenes of its plate keeps out of what is kept here. Where not,
+            each scene is cut by itself, whatever the frame that they share: a punch, then its die.
     """
 
     outlines: tuple[Contour, ...]
@@ -120,6 +122,7 @@ class Scene:
     first: int = 0
     clearances: tuple[float, ...] = ()
     plate: int = 0
+    beside: bool = False
 
     @property
     def behind(self) -> tuple[float, ...]:

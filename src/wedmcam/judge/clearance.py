@@ -21,8 +21,8 @@ def as_left(material: Material) -> Material:
     """Return the same material with the boundary that it has behind its clearance.
 
     Each outline moves into the kept material by its clearance, rounded at corners, and the offset
-    is that of the wire. Outlines become chords within 2 x `SAGITTA` um of their place. One that
-    vanishes stays as drawn: then the wire cannot be right either, and that shows.
+    is that of the wire. Outlines but circles become chords within 2 x `SAGITTA` um of their place.
+    One that vanishes stays as drawn: then the wire cannot be right either, and that shows.
     """
     if not material.clearance_um:
         return material
@@ -52,6 +52,15 @@ def _moved(contour: Contour, um: float) -> list[Contour]:
     """Return a closed contour moved outwards by ``um``, which may be negative: none, or several."""
     import shapely
 
+    v = contour.vertices
+    if len(v) == 1:  # a circle stays one
+        radius = float(np.hypot(v["x"][0] - v["cx"][0], v["y"][0] - v["cy"][0]))
+        if radius + um <= 0:
+            return []
+        vertices = v.copy()
+        for name, centre in (("x", "cx"), ("y", "cy")):
+            vertices[name] = v[centre] + (v[name] - v[centre]) * (radius + um) / radius
+        return [Contour(vertices, True, contour.sources)]
     quarter = np.arccos(1.0 - min(SAGITTA / abs(um), 1.0))
     grown: Any = shapely.Polygon(ring(contour)).buffer(
         um, quad_segs=max(2, int(np.ceil(0.25 * np.pi / quarter)))

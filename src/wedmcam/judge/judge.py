@@ -33,6 +33,7 @@ from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, Severity, error, has_errors, note, warning
 from wedmcam.ir.plan import Cut, Material, Plan, outline_numbers
 from wedmcam.ir.program import Kind, Program, Role
+from wedmcam.judge.beside import entered
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.clearance import as_left
 from wedmcam.judge.deviation import SLOP, measure
@@ -226,6 +227,17 @@ class _Case(NamedTuple):
             uncut = left if uncut is None or left is None else max(left, uncut)
         if self.plan.side in ("left", "right", "on"):
             gouge = None
+        for c, x, y, um in entered(self.plan, route, cuts, np.array([a.cut for a in assigned])):
+            if um > self.gouge_limit_um:
+                findings.append(
+                    error(
+                        "gouge",
+                        f"the wire of cut {c + 1} enters what is kept of another part of the plate "
+                        f"by {um / self.per:.3f} mm, near {mm(x, y, self.per)} mm",
+                        points_mm=((x / self.per, y / self.per),),
+                    )
+                )
+                gouge = max(um, gouge or 0.0)
 
         lengths = way.lengths()
         steps = way.steps[index]

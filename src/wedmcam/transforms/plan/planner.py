@@ -8,6 +8,7 @@ from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, has_errors
 from wedmcam.ir.plan import Cut, Plan, Scene, outline_numbers
 from wedmcam.options import Options
+from wedmcam.transforms.plan.beside import beside
 from wedmcam.transforms.plan.cuts import cuts_of
 from wedmcam.transforms.plan.idle import Used, of_path
 from wedmcam.transforms.plan.leads import Threaded, across
@@ -52,6 +53,7 @@ def plan_cuts(
         threaded = [Threaded(cut.path, cut.thread) for cut in every]
         plates = [planned[cut.scene].plate for cut in every]
         found += across(threaded, outline_numbers(every), plates, words.thread_point)
+        found += beside(planned, every)
     if has_errors(found):
         return None, found
     if not cuts:

@@ -55,6 +55,7 @@ class PieceScene:
             first,
             tuple(p.clearance for p in self.pieces) if self._clears else (),
             self.plate,
+            any(cuts[p.cut].of_drawing for p in self.pieces),
         )
 
     @property

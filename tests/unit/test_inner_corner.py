@@ -156,8 +156,7 @@ def test_the_largest_offset_takes_the_same_for_a_corner():
     def largest(*tip):
         points = wedge(90, *tip)
         contour = parts.contour_of_bulges(points, np.zeros(len(points)))
-        most = largest_offset([contour], [1.0 if _clockwise(points) else -1.0], 800.0)
-        return most.offset_um, most.limit
+        return largest_offset([contour], [1.0 if _clockwise(points) else -1.0], 800.0)
 
     assert largest((0, 0)) == Largest(800.0, None)
     assert largest((20, 0), (0, 20)) == Largest(800.0, None)

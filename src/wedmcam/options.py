@@ -145,6 +145,7 @@ class Options:
         backwards: the rest of the contour of ``from_block`` from its end back to that block.
         d: offsets of a controller that compensates itself (G41, G42): D number and um.
         arithmetic: "decimal8", in which the ZD-065 computes, or "float64": in what formulas run.
+        feed_um: cutting speed, um a minute: F of a program whose profile writes one, and the time.
         units_in: of an ISO program that is verified: what a number with a point is where no G20 or
             G21 stands, "mm", "um" or "inch"; None where nobody says it.
         whole_in: what 1 is in a number without a point: "um", "mm", "inch", or a length ("10um").
@@ -196,6 +197,7 @@ class Options:
     from_block: int = 0
     backwards: bool = False
     d: tuple[tuple[int, float], ...] = ()
+    feed_um: float | None = None
     units_in: str | None = None
     whole_in: str | None = None
     coordinates_in: str | None = None

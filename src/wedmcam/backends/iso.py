@@ -7,6 +7,8 @@ that is no M word) is refused. Numbers are whole um until they are text: there i
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,9 +19,15 @@ from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
 from wedmcam.machines import Iso, Machine
 
+#: How F is said.
+_FEED = "compile takes --feed, a length a minute; or feed_um in a profile of your own"
+
 
 def encode(
-    program: Program, machine: Machine, positions: NDArray[np.int64] | None = None
+    program: Program,
+    machine: Machine,
+    positions: NDArray[np.int64] | None = None,
+    feed_um: float | None = None,
 ) -> tuple[bytes, list[Diagnostic]]:
     """Return the ISO file of a program, and what was found.
 
@@ -28,6 +36,7 @@ def encode(
         machine: an ISO profile.
         positions: where the machine stands after each block, drawing um, shape (blocks, 2). Left
             out, the controller is run.
+        feed_um: cutting speed, um a minute, for a profile that writes F; None for the profile's.
 
     Returns:
         The bytes, empty when there is an error. A stop is added where there is none.
@@ -82,8 +91,39 @@ def encode(
         return b"", checks.found
     if positions is None:
         positions = ends(program, machine)
-    rows = _rows(program, kinds, motion, positions, machine.iso, names)
-    return _text(rows, machine), checks.found
+    opening, found = _opening(machine.iso, program.origin, feed_um)
+    rows = [*opening, *_rows(program, kinds, motion, positions, machine.iso, names)]
+    return _text(rows, machine), [*checks.found, *found]
+
+
+def _opening(
+    how: Iso, origin: tuple[float, float], feed_um: float | None
+) -> tuple[list[str], list[Diagnostic]]:
+    """Return the first lines of a program: modes, F, and where it starts; and what F was assumed.
+
+    Args:
+        how: the dialect.
+        origin: where the program starts, drawing um.
+        feed_um: as for `encode`.
+
+    >>> _opening(Iso(coordinates="absolute", unit="mm", start="move"), (5000, 0), None)[0]
+    ['G90', 'G00 X5.000 Y0.000']
+    """
+    per = _per_um(how)
+    words = [
+        k + _number(how, int(np.floor(v * per + 0.5))) for k, v in zip("XY", origin, strict=True)
+    ]
+    rows = ["G91" if how.coordinates == "incremental" else "G90"]
+    found = []
+    if how.feed_um:
+        mm = (feed_um or how.feed_um) / 1000
+        rows.append("F" + re.sub(r"(\.\d+?)0+$", r"\1", f"{mm:.6f}"))
+        if feed_um is None:
+            what = f"{rows[-1]} is written, {mm:g} mm a minute: the profile's, no --feed was given"
+            found.append(warning("feed-assumed", what, hint=_FEED))
+    if how.start == "move":
+        return [*rows, how.between.join([f"G{0:0{how.code_digits}d}", *words])], found
+    return [how.between.join(["G92", *words]), *rows], found
 
 
 def _text(rows: list[str], machine: Machine) -> bytes:
@@ -98,7 +138,10 @@ def _text(rows: list[str], machine: Machine) -> bytes:
 
 
 def encode_outlines(
-    written: Programmed, ends: NDArray[np.float64], machine: Machine
+    written: Programmed,
+    ends: NDArray[np.float64],
+    machine: Machine,
+    feed_um: float | None = None,
 ) -> tuple[bytes, list[Diagnostic]]:
     """Return the ISO file of outlines that the controller offsets.
 
@@ -106,6 +149,7 @@ def encode_outlines(
         written: in the controller's frame; what is not in compensation is a plain block.
         ends: where each block ends as it is programmed, um, shape (blocks, 2).
         machine: an ISO profile.
+        feed_um: as for `encode`.
 
     Returns:
         The bytes. G41 or G42 with its D stands with the lead-in, G40 with the lead-out; behind an
@@ -118,10 +162,8 @@ def encode_outlines(
     per = _per_um(how)
     at = np.floor(ends * per + 0.5).astype(np.int64)
     here = np.floor(np.array(written.program.origin) * per + 0.5).astype(np.int64)
-    rows = [
-        sep.join(["G92", "X" + _number(how, int(here[0])), "Y" + _number(how, int(here[1]))]),
-        "G91" if incremental else "G90",
-    ]
+    opening, found = _opening(how, written.program.origin, feed_um)
+    rows: list[str] = []
     blocks = written.program.blocks
     runs = np.append(motions["run"], -1)
     # Behind an outline without a way out G40 stands alone.
@@ -152,12 +194,11 @@ def encode_outlines(
         if mark >= 0 and open_end[mark]:
             rows.append("G40")
         here = to
-    found = []
     most = machine.limits.blocks
-    if most and len(rows) - 2 > most:
-        text = f"{len(rows) - 2} records; {machine.name} holds {most}"
+    if most and len(rows) > most:
+        text = f"{len(rows)} records; {machine.name} holds {most}"
         found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
-    return _text(rows, machine), found
+    return _text([*opening, *rows], machine), found
 
 
 def _per_um(how: Iso) -> float:
@@ -211,7 +252,7 @@ def _rows(  # type: ignore[no-untyped-def]
     how: Iso,
     names: dict[int, str],
 ) -> list[str]:
-    """Return the lines of a program, without numbers and line ends."""
+    """Return the lines of a program behind its opening, without numbers and line ends."""
     blocks = program.blocks
     sep = how.between
     digits = how.code_digits
@@ -221,11 +262,7 @@ def _rows(  # type: ignore[no-untyped-def]
     per = round(_per_um(how))
     px, py = (motion.dx, motion.dy) if incremental else (positions[:, 0], positions[:, 1])
     px, py = px * per, py * per
-    ox, oy = (per * v for v in program.origin)
-    rows = [
-        sep.join(["G92", "X" + _number(how, int(ox)), "Y" + _number(how, int(oy))]),
-        "G91" if incremental else "G90",
-    ]
+    rows: list[str] = []
     columns = zip(
         kinds.tolist(),
         blocks["turn"].tolist(),

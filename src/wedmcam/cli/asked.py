@@ -258,7 +258,7 @@ feed_option = click.option(
     "--feed",
     "feed_um",
     type=length("feed_um"),
-    help="Cutting speed, a length a minute: tells the time.",
+    help="Cutting speed, a length a minute: tells the time; F of profiles that write one.",
 )
 
 said_options = _stack(
@@ -338,6 +338,7 @@ def options_of(asked: dict[str, Any]) -> Options:
         order=Order(asked["order"]) if asked["order"] else None,
         reverse=asked["reverse"],
         count=asked["count"],
+        feed_um=asked.get("feed_um"),
         arithmetic=asked["arithmetic"],
         strict=asked.get("strict", False),
         cuts=asked["cuts"],
@@ -369,8 +370,8 @@ def wishes_of(asked: dict[str, Any]) -> frozenset[str] | None:
 
 
 def feed_of(asked: dict[str, Any]) -> float | None:
-    """Return ``--feed`` in um a minute, taken out of what click collected."""
-    feed: float | None = asked.pop("feed_um")
+    """Return ``--feed`` in um a minute."""
+    feed: float | None = asked["feed_um"]
     return feed
 
 

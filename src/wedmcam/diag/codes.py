@@ -846,6 +846,11 @@ CODES: dict[str, Code] = {
         "does not run subprograms yet, and in the order of the file they are another path.",
         "Write the lines of the subprogram in the place of each call.",
     ),
+    "feed-assumed": Code(
+        "No cutting speed was given, and the controller demands F in a program.",
+        "The F of the profile is written; it may be too fast for the plate.",
+        "Give --feed to compile, a length a minute; or set feed_um in a profile of your own.",
+    ),
     "iso-skip": Code(
         "A block that the operator may skip (/).",
         "The machine cuts another path with block skip on.",

@@ -13,6 +13,7 @@ reads programs that need no table. What a file does not say itself, and who says
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,7 +155,12 @@ def read(
     whole = w.good & ~w.pointed & (w.whole >= 0)
     err, warn = Severity.ERROR, Severity.WARNING
     r.tell_words(err, "iso-word", ~w.good, "no number that can be read behind the letter")
-    r.tell_words(err, "iso-word", w.good & (g | m) & ~whole, "a code is a whole number")
+    # G91.1, the only code with a point that is known: I and J lead from the start.
+    from_start = g & w.good & w.pointed & (w.whole == 911) & (w.decimals == 1)
+    _from_start(r, from_start)
+    r.tell_words(
+        err, "iso-word", w.good & (g | m) & ~whole & ~from_start, "a code is a whole number"
+    )
     g, m = g & whole, m & whole
 
     modal: dict[str, tuple[Ints, Bools]] = {}
@@ -197,10 +203,12 @@ def read(
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
     r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
     calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
+    feed = other & (w.letter == ord("F")) & bool(r.machine.iso.feed_um)
+    r.tell_words(Severity.NOTE, "iso-ignored", feed, "the cutting speed: it changes no path")
     r.tell_words(
         warn,
         "iso-ignored",
-        other & ~third & ~calls,
+        other & ~third & ~calls & ~feed,
         "not read: it changes no path",
         "feed, generator and offset tables are set at the machine",
     )
@@ -208,8 +216,29 @@ def read(
     motion = _filled(*modal["motion"], -1)
     inches = _filled(*modal["inch"], UNSAID)
     reset = modal["g92"][1]
+    if r.machine.iso.start == "move":
+        reset = reset | _start(axes, motion, reset)
     calls |= m & np.isin(code, iso.SUBPROGRAMS)
     return _program(r, axes, distance, motion, inches, reset, m, np.flatnonzero(calls), modes)
+
+
+def _from_start(r: _Reader, words: Bools) -> None:
+    """Take what G91.1 says of I and J, whatever an option says."""
+    if not words.any():
+        return
+    r.tell_words(Severity.NOTE, "iso-ignored", words, "I and J lead from the start, as read here")
+    if r.dialect.centres == "absolute":
+        _tell_stated(r, r.words.line[words][:1], "G91.1", "--centres-in")
+    r.dialect = replace(r.dialect, centres="start")
+
+
+def _start(axes: dict[str, tuple[Ints, Bools, Bools, Ints]], motion: Ints, reset: Bools) -> Bools:
+    """Return the line that tells the start of a program: its first motion, a G00 to X and Y."""
+    x, y = axes["X"][1], axes["Y"][1]
+    out = np.zeros(len(motion), bool)
+    first = np.flatnonzero(x | y)[:1]
+    out[first] = (x & y & (motion == 0) & ~reset)[first]
+    return out
 
 
 def _modes(

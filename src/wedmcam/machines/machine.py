@@ -103,6 +103,12 @@ class Iso:
             as the place falls. Of paths of the wire; an outline in G41 or G42 keeps its circle.
         d: number of the first offset in the controller's table; a program with several offsets
             takes the next ones too.
+        start: how a program tells where it starts: ``g92`` says that the wire stands there and what
+            its place is called; ``move`` sets nothing and goes there with G00 in coordinates that
+            are set at the machine, with a wire that stands there already. The first G00 of a
+            program that is read then tells its start, and is no move.
+        feed_um: F that is written where no ``--feed`` is given, um a minute; not set: no F at all.
+            With it F is a word that is known where a program is read.
     """
 
     coordinates: str = "incremental"
@@ -117,6 +123,8 @@ class Iso:
     compensation: str = "computed"
     full_circle: str = "halves"
     d: int = 1
+    start: str = "g92"
+    feed_um: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,8 +47,12 @@ def _blanks(text: str) -> bool:
 
 
 def _lines(value: list[Any]) -> bool:
+    return all(isinstance(v, str) and (v == "" or v.isprintable()) for v in value)
+
+
+def _is_text(line: str) -> bool:
     # What every reader takes for text: a record or a control word in a header would be run.
-    return all(isinstance(v, str) and re.fullmatch(r";[^\r\n]*|[*%]*", v) for v in value)
+    return bool(re.fullmatch(r";.*|[*%]*", line))
 
 
 def _pair(value: list[Any]) -> bool:
@@ -71,7 +75,7 @@ _WORD = _Key(
 _FLAG = _Key(bool, "true or false", lambda v: True)
 _LINES = _Key(
     list,
-    "a list of lines that start with a semicolon or are rows of * or %",
+    "a list of lines; in 3B and 4B they start with a semicolon or are rows of * or %",
     _lines,
     formats=_READABLE,
 )
@@ -134,6 +138,8 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "compensation": _choice("computed", "controller", formats=_ISO),
         "full_circle": _choice("halves", "one", formats=_ISO),
         "d": _whole(0, 999, formats=_ISO),
+        "start": _choice("g92", "move", formats=_ISO),
+        "feed_um": _whole(1, _UM, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },
 }
@@ -218,6 +224,18 @@ def _check(
     return good, found
 
 
+def _of_iso(iso: dict[str, Any], text: str, name: str) -> list[Diagnostic]:
+    """Return what contradicts itself under ``[iso]``."""
+    found = []
+    if iso.get("start") == "move" and iso.get("coordinates") != "absolute":
+        what = '\'iso.start\' = "move" goes to a place: it takes coordinates = "absolute"'
+        found.append(error("profile-value", what, _place(text, name, "iso", "start")))
+    if iso.get("feed_um") and iso.get("unit") != "mm":
+        what = "'iso.feed_um' is written in mm a minute: it takes unit = \"mm\""
+        found.append(error("profile-value", what, _place(text, name, "iso", "feed_um")))
+    return found
+
+
 def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
     """Return the machine that a TOML profile describes.
 
@@ -262,10 +280,17 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         place = _place(text, name, "axes", "step_um")
         what = "'axes.step_um' goes with compensation in the program: outlines are written in um"
         found.append(error("profile-value", what, place))
+    if known_format in _ISO:
+        found += _of_iso(tables["iso"], text, name)
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):
         for line in layout.get(key, []):
+            # Words of an ISO header are decoded and proven with the program.
+            if known_format not in _ISO and not _is_text(line):
+                place = _place(text, name, "layout", key)
+                what = f"'layout.{key}' takes {_LINES.takes}, not {line!r}"
+                found.append(error("profile-value", what, place))
             try:
                 line.encode(encoding)
             except UnicodeEncodeError:

@@ -181,7 +181,7 @@ def encode(
     if has_errors(found):
         return b"", found
     table = dict(entries.d)
-    writer = _Writer(lowered, machine, table)
+    writer = _Writer(lowered, machine, table, options.feed_um)
     tried = writer.tried(plan, [])
     if tried.strays:
         kept: list[Choice] = []
@@ -236,9 +236,16 @@ class _Writer:
     strays, contour by contour. It is judged again all the same.
     """
 
-    def __init__(self, lowered: Program, machine: Machine, table: dict[int, float]) -> None:
+    def __init__(
+        self,
+        lowered: Program,
+        machine: Machine,
+        table: dict[int, float],
+        feed_um: float | None,
+    ) -> None:
         from wedmcam.programs.places import block_ends
 
+        self.feed_um = feed_um
         self.lowered, self.machine, self.table = lowered, machine, table
         self.ends = block_ends(lowered, machine)[1]
         self.grid = grid_of(machine)
@@ -255,7 +262,7 @@ class _Writer:
         if made is None:
             return _Tried(b"", found, [], [])
         written, ends = outlines_to_controller(made.programmed, made.ends, self.machine.axes)
-        data, found = encode_outlines(written, ends, self.machine)
+        data, found = encode_outlines(written, ends, self.machine, self.feed_um)
         return _Tried(data, found, *_strays(data, made, plan, self.machine, self.table))
 
     def settled(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:

@@ -197,6 +197,12 @@ class Iso(Stated):
     words = r"M\d{1,4}"
     turns = False
 
+    def write(
+        self, program: Program, plan: Plan, entries: Entries, options: Options
+    ) -> tuple[bytes | None, Sequence[Diagnostic]]:
+        """See `Target`."""
+        return self._encoded(program, feed_um=options.feed_um)
+
     @property
     def stop_word(self) -> str:
         """See `Target`."""

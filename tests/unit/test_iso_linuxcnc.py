@@ -62,6 +62,14 @@ def test_a_feed_that_was_not_given_is_said():
     assert made("plate.dxf", feed=2.5).options.as_data()["feed_um"] == 2500.0
 
 
+def test_f_counts_pulses_as_places_do():
+    text = machines.text("linuxcnc") + "[axes]\nstep_um = 2\n"
+    machine, found = machines.parse(text, "p")
+    assert found == []
+    one = wedmcam.compile(SAMPLES / "plate.dxf", profile=machine, offset=0.1, feed=3.0)
+    assert one.data.decode().splitlines()[2:4] == ["F1.5", "G00 X5.000 Y5.000"]
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_samples_are_read_as_they_are_written(name):
     """Stepped, and converted to 3B, it is the path of the 3B program of the same source."""

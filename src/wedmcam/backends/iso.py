@@ -91,24 +91,26 @@ def encode(
         return b"", checks.found
     if positions is None:
         positions = ends(program, machine)
-    opening, found = _opening(machine.iso, program.origin, feed_um)
+    opening, found = _opening(machine, program.origin, feed_um)
     rows = [*opening, *_rows(program, kinds, motion, positions, machine.iso, names)]
     return _text(rows, machine), [*checks.found, *found]
 
 
 def _opening(
-    how: Iso, origin: tuple[float, float], feed_um: float | None
+    machine: Machine, origin: tuple[float, float], feed_um: float | None
 ) -> tuple[list[str], list[Diagnostic]]:
     """Return the first lines of a program: modes, F, and where it starts; and what F was assumed.
 
     Args:
-        how: the dialect.
-        origin: where the program starts, drawing um.
+        machine: an ISO profile. Where a pulse is no um, F counts pulses as places do.
+        origin: where the program starts, as `Program` has it.
         feed_um: as for `encode`.
 
-    >>> _opening(Iso(coordinates="absolute", unit="mm", start="move"), (5000, 0), None)[0]
-    ['G90', 'G00 X5.000 Y0.000']
+    >>> from wedmcam.machines import builtin
+    >>> _opening(builtin("linuxcnc"), (5000, 0), 2000.0)[0]
+    ['G90', 'F2.0', 'G00 X5.000 Y0.000']
     """
+    how = machine.iso
     per = _per_um(how)
     words = [
         k + _number(how, int(np.floor(v * per + 0.5))) for k, v in zip("XY", origin, strict=True)
@@ -117,7 +119,7 @@ def _opening(
     found = []
     if how.feed_um:
         mm = (feed_um or how.feed_um) / 1000
-        rows.append("F" + re.sub(r"(\.\d+?)0+$", r"\1", f"{mm:.6f}"))
+        rows.append("F" + re.sub(r"(\.\d+?)0+$", r"\1", f"{mm / machine.axes.step_um:.8f}"))
         if feed_um is None:
             what = f"{rows[-1]} is written, {mm:g} mm a minute: the profile's, no --feed was given"
             found.append(warning("feed-assumed", what, hint=_FEED))
@@ -162,7 +164,7 @@ def encode_outlines(
     per = _per_um(how)
     at = np.floor(ends * per + 0.5).astype(np.int64)
     here = np.floor(np.array(written.program.origin) * per + 0.5).astype(np.int64)
-    opening, found = _opening(how, written.program.origin, feed_um)
+    opening, found = _opening(machine, written.program.origin, feed_um)
     rows: list[str] = []
     blocks = written.program.blocks
     runs = np.append(motions["run"], -1)

@@ -21,15 +21,17 @@ from wedmcam.ir.contour import Contour
 NEAR_UM = 0.01
 #: How many points of a contour are asked before any doubt arises.
 PROBES = 3
+#: How many at most after that.
+MOST_PROBES = 64
 #: More closed contours, each with a thread point, are no part: at a minute each two weeks.
 MOST_CLOSED = 20_000
+#: Loose lines that are cut by name are engraved one after the other; of more nothing was joined.
+MOST_OPEN = 50_000
 #: Contours that lie in each other, more than these, are a pattern: with circles of 0.5 mm between
 #: them a disc of 200 mm.
 DEEPEST = 200
 #: Pairs of boxes are looked at so many at a time.
 PART = 500_000
-#: How many at most after that.
-MOST_PROBES = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,13 +109,17 @@ def nest(contours: Sequence[Contour]) -> Nesting:
 
 
 def too_many(contours: Sequence[Contour]) -> tuple[Diagnostic, ...]:
-    """Return an error where there are more closed contours than any machine threads."""
+    """Return an error where there are more contours than any machine threads."""
     closed = sum(c.closed for c in contours)
-    if closed <= MOST_CLOSED:
-        return ()
-    text = f"the drawing has {closed:,} closed contours; no more than {MOST_CLOSED:,} are compiled"
-    hint = "leave out what is not to be cut: --layer, --ignore-layer"
-    return (error("too-large", text, contours[0].source_of(0), hint=hint, count=closed),)
+    for kind, count, most in (
+        ("closed", closed, MOST_CLOSED),
+        ("open", len(contours) - closed, MOST_OPEN),
+    ):
+        if count > most:
+            text = f"the drawing has {count:,} {kind} contours; no more than {most:,} are compiled"
+            hint = "leave out what is not to be cut: --layer, --ignore-layer"
+            return (error("too-large", text, contours[0].source_of(0), hint=hint, count=count),)
+    return ()
 
 
 def too_deep(nesting: Nesting) -> tuple[Diagnostic, ...]:

@@ -35,6 +35,8 @@ Floats = NDArray[np.float64]
 
 #: Coordinates beyond this are an error, nm: a kilometre.
 _MOST_NM = 10**12
+#: So many different words are named in one finding; others are counted.
+NAMED = 24
 #: Codes of findings on a path: another unit or rule has others.
 _DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 
@@ -47,6 +49,9 @@ class _Reader:
         self.machine, self.file, self.dialect = machine, file, dialect
         self.words: Words = words_of(self.plain.codes, dialect.semicolon == "block")
         self.lines = len(self.words.line_start)
+        self.titles = self.words.titles()
+        if len(self.titles):
+            self.words = self.words.without(self.titles)
         size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
         self.spans = TextSpans(file, self.plain.codes, self.words.line_start, size)
         self.found: list[tuple[int, Diagnostic]] = []
@@ -56,9 +61,22 @@ class _Reader:
     def tell_words(
         self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None
     ) -> None:
-        """Report words; the lines of errors are not read."""
+        """Report words, warnings with every different word and how often it stands there.
+
+        The lines of errors are not read.
+        """
         w = self.words
         where = np.flatnonzero(mask)
+        if severity is not Severity.ERROR:
+            if len(where):
+                at, end = int(w.start[where[0]]), int(w.end[where[0]])
+                what = f"{self._named(where)}: {why}"
+                place = self.spans.at(at, end - at)
+                count = len(where)
+                self.found.append(
+                    (at, Diagnostic(severity, code, what, place, hint=hint, count=count))
+                )
+            return
         for i, d in listed(
             severity,
             code,
@@ -68,8 +86,23 @@ class _Reader:
             hint,
         ):
             self.found.append((int(w.start[i]), d))
-        if severity is Severity.ERROR:
-            self.bad[w.line[where]] = True
+        self.bad[w.line[where]] = True
+
+    def _named(self, where: Ints) -> str:
+        """Return the different ones of some words, in their order, each with its count."""
+        w = self.words
+        # Letter, digits and decimals as one number: 12 digits leave room for both.
+        key = (w.whole[where] * 16 + np.minimum(w.decimals[where], 15)) * 128 + w.letter[where]
+        _, first, many = np.unique(key, return_index=True, return_counts=True)
+        order = np.argsort(first)
+        named = [
+            self.plain.excerpt(int(w.start[i]), int(w.end[i])) + (f" ({n} times)" if n > 1 else "")
+            for i, n in zip(
+                where[first[order[:NAMED]]].tolist(), many[order].tolist(), strict=False
+            )
+        ]
+        rest = int(many[order[NAMED:]].sum())
+        return ", ".join(named) + (f" and {rest} more" if rest else "")
 
     def tell_lines(
         self,
@@ -79,13 +112,15 @@ class _Reader:
         message: Callable[[int], str],
         hint: str | None = None,
     ) -> None:
-        """Report lines, by index into ``where``."""
+        """Report lines, by index into ``where``; of warnings the first, with how many there are."""
+        quiet = severity is not Severity.ERROR and len(where) > 1
+        many = f" ({len(where)} lines)" if quiet else ""
         for i, d in listed(
             severity,
             code,
             np.arange(len(where)),
             lambda i: self.spans[int(where[i])],
-            message,
+            lambda i: message(i) + many,
             hint,
         ):
             self.found.append((int(self.words.line_start[where[i]]), d))
@@ -194,7 +229,9 @@ def read(
     names = b"GMXYIJRND" if offsets.any() else b"GMXYIJRN"
     modes = _modes(r, modal["comp"], offsets, table)
     other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8))
+    condition = other & _conditions(w)
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
+    third &= ~condition
     r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
     calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
     r.tell_words(
@@ -210,6 +247,20 @@ def read(
     reset = modal["g92"][1]
     calls |= m & np.isin(code, iso.SUBPROGRAMS)
     return _program(r, axes, distance, motion, inches, reset, m, np.flatnonzero(calls), modes)
+
+
+def _conditions(w: Words) -> Bools:
+    """Return which C words name a condition of the generator, as C001 does, and turn no axis.
+
+    Three digits or more without sign and point, in a line that goes nowhere [R]: C90 turns by 90.
+    """
+    found: Bools = (w.letter == ord("C")) & ~w.pointed & (w.whole >= 0) & (w.end - w.start >= 4)
+    if not found.any():
+        return found
+    goes = np.isin(w.letter, np.frombuffer(b"XYIJRZUVABKW", np.uint8))
+    goes |= (w.letter == ord("G")) & (w.whole <= 3)
+    found &= ~np.isin(w.line, w.line[goes])
+    return found
 
 
 def _modes(
@@ -255,8 +306,19 @@ def _tell_text(r: _Reader) -> None:
         r.questions += dialects.of_semicolons(w, r.plain, own)
     texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
     for a, b in texts[:1]:
-        what = f"comment: {r.plain.excerpt(a, b)}"
+        many = f" ({len(texts)} comments)" if len(texts) > 1 else ""
+        what = f"comment: {r.plain.excerpt(a, b)}{many}"
         r.found.append((a, note("text-skipped", what, r.spans.at(a, b - a), count=len(texts))))
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-word",
+        r.titles,
+        lambda i: (
+            f"line {int(r.titles[i]) + 1} is text, no ISO words: "
+            f"{r.plain.excerpt(int(w.line_start[r.titles[i]]), int(w.line_end[r.titles[i]]))}"
+        ),
+        "put text into brackets: (TITLE); or remove the line",
+    )
     if len(w.stray):
         lines = np.unique(np.searchsorted(w.line_end, w.stray))
         first = {

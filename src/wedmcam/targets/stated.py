@@ -222,7 +222,8 @@ class Iso(Stated):
         """See `Target`."""
         from wedmcam.targets.g41 import decode
 
-        return decode(data, self.machine, file, entries.offset_of(), entries.dialect)
+        table = entries.offset_of()
+        return decode(data, self.machine, file, table, entries.dialect, assumed=not entries.d)
 
 
 def _one_offset(plan: Plan) -> float | None:

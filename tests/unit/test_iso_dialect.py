@@ -529,3 +529,56 @@ def test_every_word_is_named_with_its_count():
     assert "F24 and 76 more: " in found.message
     (found,) = said("G90 G21 G01 X5.0\nX5.0\nX5.0\nM02\n", "iso-ignored")
     assert found.message.endswith("(2 lines)")
+
+
+FRAME = "G90 G21 {0}\nG92 X0.0 Y0.0\nG01 X5.0 Y0.0\n{1}\nG01 X5.0 Y5.0\nM02\n"
+
+
+@pytest.mark.parametrize(
+    ("before", "between"),
+    [
+        ("G54", "G04 X2.0"),
+        ("G59", "G59"),
+        ("G54", "G04 P500"),
+        ("G17", "G04 F2 N5"),
+        ("G80", "G04 U0.5\nG04X1."),
+        ("G91.1 G17.1", "G53"),
+    ],
+)
+def test_field_g54_g04(before, between):
+    text = FRAME.format(before, between)
+    assert asked(text) == []
+    plain, _ = read(FRAME.format("", ""))
+    program, found = read(text)
+    assert (program.blocks == plain.blocks).all()
+    assert {(d.code, str(d.severity)) for d in found} == {("iso-ignored", "note")}
+    codes = re.findall(r"G\d+(?:\.\d)?", f"{before} {between}")
+    assert all(c in found[0].message for c in codes)
+    assert found[0].count == len(codes)
+
+
+@pytest.mark.parametrize(
+    ("before", "between"),
+    [
+        ("G54", "G55"),
+        ("G54 G55", ""),
+        ("", "G54"),
+        ("", "G92 G54 X1.0"),
+        ("", "G53 X1.0"),
+        ("", "G53 G00 Y1.0"),
+        ("", "G04 X1.0 Y2.0"),
+        ("", "G04 Y2.0"),
+        ("", "G01 G04 X2.0"),
+        ("G17.1", "G03 X6.0 Y1.0 I0.0 J1.0"),
+        ("G90.1", ""),
+        ("G91.2", ""),
+        ("G54.1", ""),
+        ("G18", ""),
+    ],
+)
+def test_codes_that_may_change_the_path(before, between):
+    assert asked(FRAME.format(before, between))
+
+
+def test_centres_as_places_contradict_g91_1():
+    assert asked(FRAME.format("G91.1", ""), centres_in="absolute") == ["iso-word"]

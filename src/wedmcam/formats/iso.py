@@ -21,8 +21,9 @@ END_UM = 5.0
 
 #: G codes that change a mode or a motion.
 MOTION = (0, 1, 2, 3)
-#: Modes in which a wire machine that is not told otherwise already is: nothing changes.
-NOTHING_NEW = (17, 64, 94, 95)
+#: G04, a wait, and modes in which a wire machine that is not told otherwise already is: nothing of
+#: the path changes.
+NOTHING_NEW = (4, 17, 64, 80, 94, 95)
 PAUSES = (0, 1)
 ENDS = (2, 30)
 #: M codes that call or end a subprogram: M97 of Haas, M98 and M99 of all, M198 and M199 of an

@@ -190,13 +190,15 @@ def read(
         dialect: as for `decode`.
     """
     r = _Reader(data, machine, file, dialect or Dialect())
-    w = r.words
     _tell_text(r)
+    _take_dwells(r)
+    w = r.words
     g, m = w.letter == ord("G"), w.letter == ord("M")
     whole = w.good & ~w.pointed & (w.whole >= 0)
     err, warn = Severity.ERROR, Severity.WARNING
     r.tell_words(err, "iso-word", ~w.good, "no number that can be read behind the letter")
-    r.tell_words(err, "iso-word", w.good & (g | m) & ~whole, "a code is a whole number")
+    dotted = _dotted(r)
+    r.tell_words(err, "iso-word", w.good & (g | m) & ~whole & ~dotted, "a code is a whole number")
     g, m = g & whole, m & whole
 
     modal: dict[str, tuple[Ints, Bools]] = {}
@@ -221,15 +223,18 @@ def read(
     comp = g & (code >= 40) & (code <= 42)
     set_mode("comp", comp, code)
     set_mode("g92", g & (code == 92), code)
-    known = g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
+    work = g & (code >= 53) & (code <= 59)
+    known = work | g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
     idle = g & np.isin(code, iso.NOTHING_NEW)
-    r.tell_words(Severity.NOTE, "iso-ignored", idle, "a wire machine is in this mode anyway")
+    work_idle = work & ~_moving_frames(r, work)
+    quiet = idle | dotted | work_idle
+    r.tell_words(Severity.NOTE, "iso-ignored", quiet, "nothing of the path changes by it")
     r.tell_words(
         err,
         "iso-code",
         g & ~known & ~idle,
         "a code that is not known here and may change the path",
-        "known are G00 to G03, G20, G21, G40, G70, G71, G90, G91, G92",
+        "known are G00 to G04, G17, G20, G21, G40 to G42, G54 to G59, G70, G71, G80, G90 to G92",
     )
     axes = {k: _column(r, k) for k in "XYIJR"}
     offsets = comp & (code != 40)
@@ -254,6 +259,78 @@ def read(
     reset = modal["g92"][1]
     calls |= m & np.isin(code, iso.SUBPROGRAMS)
     return _program(r, axes, distance, motion, inches, reset, m, np.flatnonzero(calls), modes)
+
+
+def _take_dwells(r: _Reader) -> None:
+    """Take the time behind G04 (X, U, P, F or S) out of the words: it is no place and no call."""
+    w = r.words
+    dwell = (w.letter == ord("G")) & w.good & ~w.pointed & (w.whole == 4)
+    if not dwell.any():
+        return
+    here = np.zeros(r.lines, bool)
+    here[w.line[dwell]] = True
+    of = here[w.line]
+    time = of & w.good & np.isin(w.letter, np.frombuffer(b"XUPFS", np.uint8))
+    places = of & np.isin(w.letter, np.frombuffer(b"XYIJRUV", np.uint8))
+    many = np.bincount(w.line[places], minlength=r.lines)
+    other = places & (~time | (many[w.line] > 1))
+    other |= of & (w.letter == ord("G")) & ((w.whole <= 3) | (w.whole == 92))
+    why = "a place or a motion in a line with G04: which of them is the time cannot be told"
+    r.tell_words(Severity.ERROR, "iso-code", other, why, "G04 in a line of its own")
+    r.words = w.without_words(time)
+
+
+def _dotted(r: _Reader) -> Bools:
+    """Return which codes with a point change nothing: G91.1, and G17.1 where no arc is."""
+    w = r.words
+    found: Bools = (w.letter == ord("G")) & w.good & w.pointed & (w.decimals == 1)
+    if not found.any():
+        return found
+    arcs = (w.letter == ord("G")) & ~w.pointed & np.isin(w.whole, (2, 3))
+    said = found & (w.whole == 911) & (r.dialect.centres != "absolute")
+    found &= said | ((w.whole == 171) & (not arcs.any()))
+    return found
+
+
+def _moving_frames(r: _Reader, work: Bools) -> Bools:
+    """Return which of G53 to G59 may move the path, and report them.
+
+    One work offset in front of every place is where the part stands on the table; the machine
+    knows how far another one lies from it. G53 counts in a line with a place alone.
+    """
+    w = r.words
+    if not work.any():
+        return work
+    places = np.zeros(r.lines, bool)
+    places[w.line[np.isin(w.letter, np.frombuffer(b"XYIJR", np.uint8))]] = True
+    reset = (w.letter == ord("G")) & ~w.pointed & (w.whole == 92)
+    first = int(np.argmax(places)) if places.any() else r.lines
+    offsets = work & (w.whole > 53)
+    rows = np.flatnonzero(offsets)
+    machine = work & (w.whole == 53) & places[w.line]
+    late: Bools = np.zeros(len(w.line), bool)
+    if len(rows):
+        late = offsets & (w.whole != w.whole[rows[0]])
+        late |= offsets & (w.line[rows[0]] > first)
+        zero = np.zeros(r.lines, bool)
+        zero[w.line[reset]] = True
+        late |= offsets & (w.line[rows[0]] == first) & zero[w.line]
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        machine,
+        "a place of the machine: where the part stands on it is not in the file",
+        "leave the move out; the program starts where the wire is threaded",
+    )
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        late,
+        "another work offset, or one behind the first place: how far it lies is not in the file",
+        "one program for each work offset, or one offset in front of all places",
+    )
+    late |= machine
+    return late
 
 
 def _conditions(w: Words) -> Bools:

@@ -77,11 +77,13 @@ class Words:
         """Return the words, and what belongs to none, of all lines but these."""
         gone = np.zeros(len(self.line_start), bool)
         gone[lines] = True
-        keep = ~gone[self.line]
-        columns = ("letter", "start", "end", "line", "whole", "decimals", "pointed", "good")
         stray = self.stray[~gone[np.searchsorted(self.line_end, self.stray)]]
-        kept = {name: getattr(self, name)[keep] for name in columns}
-        return replace(self, **kept, stray=stray)
+        return replace(self.without_words(gone[self.line]), stray=stray)
+
+    def without_words(self, gone: Bools) -> Words:
+        """Return all words but some."""
+        columns = ("letter", "start", "end", "line", "whole", "decimals", "pointed", "good")
+        return replace(self, **{name: getattr(self, name)[~gone] for name in columns})
 
 
 def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:

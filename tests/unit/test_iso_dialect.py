@@ -582,3 +582,12 @@ def test_codes_that_may_change_the_path(before, between):
 
 def test_centres_as_places_contradict_g91_1():
     assert asked(FRAME.format("G91.1", ""), centres_in="absolute") == ["iso-word"]
+
+
+@pytest.mark.parametrize("word", ["M60", "M70", "m75", "M79"])
+def test_m_words_that_may_change_the_path(word):
+    text = f"G90 G21\nG92 X0.0 Y0.0\n{word}\nG01 X5.0 Y0.0\nM02\n"
+    assert asked(text) == ["iso-code"]
+    assert asked(text.replace(word, "") + word) == []  # behind the end
+    made = conversion.convert(f"{word.upper()}\nB5000B0B5000GXL1\nDD\n".encode(), to="iso")
+    assert [d.code for d in made.findings if d.severity is Severity.ERROR] == ["not-in-format"]

@@ -748,7 +748,18 @@ def _program(
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
     kinds[np.isin(codes, iso.ENDS)] = Kind.STOP
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
-    unknown[m_rows[plain_word & (m_lines <= stop_line)]] = True
+    plain_word &= m_lines <= stop_line
+    turns = np.zeros(len(w.letter), bool)
+    turns[m_rows[plain_word & np.isin(codes, iso.TURNS)]] = True
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        turns,
+        "turns the part or changes modes at some machines",
+        "no profile knows what it does; take it out where it changes no path",
+    )
+    unknown[m_rows[plain_word]] = True
+    unknown &= ~turns
     r.tell_words(
         Severity.WARNING,
         "unknown-word",

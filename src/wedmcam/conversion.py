@@ -218,7 +218,7 @@ def between(
     if target.refuses_carried is not None:
         return None, None, None, [target.refuses_carried]
     stepping = machine_in.stepping
-    carried, found = carry(program, stepping, target.carry_rules())
+    carried, found = carry(program, stepping, target.carry_rules(machine_in.format))
     if carried is None:
         return None, None, None, found
     arcs = program.blocks["kind"] == Kind.ARC

@@ -10,6 +10,7 @@ from wedmcam import conversion, machines
 from wedmcam.cli.main import cli
 from wedmcam.ir.program import Kind
 from wedmcam.targets import target_of
+from wedmcam.targets.entries import Entries
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 
@@ -173,3 +174,41 @@ def test_what_a_part_program_has_no_words_for_is_named():
     twice = part_of("B900B0B900GXL1\nB1900B0B7600GYNR1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n")
     assert codes(twice) == ["not-in-format"]
     assert "block 3 goes on without a pause" in twice.findings[0].message
+
+
+NO_GAP = Entries(gap_um=0.0)
+M_WORDS = """\
+G90
+G92 X0.0 Y0.0
+M20
+M80
+T84
+G01 X5.0 Y0.0
+M20
+G01 X5.0 Y5.0
+M81
+M02
+"""
+
+
+@pytest.mark.parametrize("to", ["3b", "4b", "compact", "rotation", "compensation", "wed"])
+def test_field_m_words(to):
+    # A bare M20 in a 3B file is a word that no 3B controller knows.
+    made = conversion.convert(M_WORDS.encode(), to=to, units_in="mm", entered=NO_GAP)
+    assert made.ok, [str(d) for d in made.findings]
+    lost = [d for d in made.findings if d.code == "not-carried"]
+    assert [d.count for d in lost] == [4]
+    assert "M20 (2 times), M80, M81" in lost[0].message
+    assert lost[0].span.line == 3
+    if to in ("3b", "4b"):
+        assert b"M" not in made.data
+    strict = conversion.convert(M_WORDS.encode(), to=to, units_in="mm", entered=NO_GAP, strict=True)
+    assert not strict.ok
+
+
+def test_words_stay_where_both_formats_have_them():
+    iso = conversion.convert(M_WORDS.encode(), to="iso", units_in="mm")
+    assert b"M20\nM80\n" in iso.data
+    assert "not-carried" not in codes(iso)
+    four = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="4b", entered=NO_GAP)
+    assert b"QUENCH" in four.data

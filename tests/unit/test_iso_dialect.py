@@ -470,3 +470,127 @@ def test_a_whole_number_is_what_was_said(x, unit, g):
     program, _ = read(text, whole_in=unit)
     wide = 0 if program is None else int(program.blocks["x"][0])
     assert wide == np.floor(x * nm / 1000 + 0.5)
+
+
+def said(text, code):
+    return [d for d in read(text, shown=True)[1] if d.code == code]
+
+
+TITLES = [
+    "BRACKET LEFT",
+    " PART 12 B",
+    "N10 PLATE X5",
+    "MADE BY HAND 5.5",
+    "12 PLATES",
+    "X5.0 OF PLATE",
+]
+
+
+@pytest.mark.parametrize("title", TITLES)
+@pytest.mark.parametrize("line", [1, 4])
+def test_field_title_line(title, line):
+    lines = ["G90 G21", "G92 X0.0 Y0.0", "G01 X5.0 Y0.0", "G01 X5.0 Y5.0", "M02"]
+    lines.insert(line - 1, title)
+    found = said("\n".join(lines) + "\n", "iso-word")
+    assert len(found) == 1, [d.message for d in found]
+    assert found[0].message.startswith(f"line {line} is text, no ISO words: {title.strip()}")
+    assert found[0].severity is Severity.ERROR
+    assert found[0].span.line == line
+
+
+@pytest.mark.parametrize("line", ["G01 X Y5.0", "G01 X1.2.3 Y1.2.3", "X Y5.0", "G01 X5.0 Y"])
+def test_a_word_without_its_number_is_no_text(line):
+    found = said(f"G90 G21\nG01 X1.0\n{line}\nM02\n", "iso-word")
+    assert found
+    assert not any("is text" in d.message for d in found)
+
+
+def test_field_cond_c():
+    text = "G90 G21\nG92 X0.0 Y0.0\nT84\nC001\nG01 X5.0 Y0.0\nC001\nG01 X5.0 Y5.0\nM02\n"
+    assert asked(text) == []
+    (found,) = said(text, "iso-ignored")
+    assert found.message.startswith("T84, C001 (2 times): ")
+    assert found.count == 3
+
+
+@pytest.mark.parametrize(
+    "line", ["G01 X1.0 C001", "C90", "C90.", "C-001", "G00 C180", "A001", "Y5.0C002"]
+)
+def test_an_axis_is_no_condition(line):
+    assert "iso-code" in asked(f"G90 G21\nG01 X2.0\n{line}\nM02\n")
+
+
+def test_every_word_is_named_with_its_count():
+    lines = "".join(f"X{k}.0 F{k % 3}\n" for k in range(1, 10))
+    (found,) = said(f"G90 G21 G01\n{lines}S1\nF1.5\nM02\n", "iso-ignored")
+    assert found.message.startswith("F1 (3 times), F2 (3 times), F0 (3 times), S1, F1.5: ")
+    many = "".join(f"X{k}.0 F{k}\n" for k in range(1, 101))
+    (found,) = said(f"G90 G21 G01\n{many}M02\n", "iso-ignored")
+    assert "F24 and 76 more: " in found.message
+    (found,) = said("G90 G21 G01 X5.0\nX5.0\nX5.0\nM02\n", "iso-ignored")
+    assert found.message.endswith("(2 lines)")
+
+
+FRAME = "G90 G21 {0}\nG92 X0.0 Y0.0\nG01 X5.0 Y0.0\n{1}\nG01 X5.0 Y5.0\nM02\n"
+
+
+@pytest.mark.parametrize(
+    ("before", "between"),
+    [
+        ("G54", "G04 X2.0"),
+        ("G59", "G59"),
+        ("G54", "G04 P500"),
+        ("G17", "G04 F2 N5"),
+        ("G80", "G04 U0.5\nG04X1."),
+        ("G91.1 G17.1", "G53"),
+    ],
+)
+def test_field_g54_g04(before, between):
+    text = FRAME.format(before, between)
+    assert asked(text) == []
+    plain, _ = read(FRAME.format("", ""))
+    program, found = read(text)
+    assert (program.blocks == plain.blocks).all()
+    assert {(d.code, str(d.severity)) for d in found} == {("iso-ignored", "note")}
+    codes = re.findall(r"G\d+(?:\.\d)?", f"{before} {between}")
+    assert all(c in found[0].message for c in codes)
+    assert found[0].count == len(codes)
+
+
+@pytest.mark.parametrize(
+    ("before", "between"),
+    [
+        ("G54", "G55"),
+        ("G54 G55", ""),
+        ("", "G54"),
+        ("", "G92 G54 X1.0"),
+        ("", "G53 X1.0"),
+        ("", "G53 G00 Y1.0"),
+        ("", "G04 X1.0 Y2.0"),
+        ("", "G04 Y2.0"),
+        ("", "G01 G04 X2.0"),
+        ("G17.1", "G03 X6.0 Y1.0 I0.0 J1.0"),
+        ("G90.1", ""),
+        ("G91.2", ""),
+        ("G54.1", ""),
+        ("G18", ""),
+    ],
+)
+def test_codes_that_may_change_the_path(before, between):
+    assert asked(FRAME.format(before, between))
+
+
+def test_centres_as_places_contradict_g91_1():
+    """What a file says itself is in force, as with G20, G21, G90 and G91."""
+    _, found = read(FRAME.format("G91.1", ""), centres_in="absolute")
+    assert "iso-stated" in [d.code for d in found]
+    assert asked(FRAME.format("G91.1", ""), centres_in="absolute") == []
+
+
+@pytest.mark.parametrize("word", ["M60", "M70", "m75", "M79"])
+def test_m_words_that_may_change_the_path(word):
+    text = f"G90 G21\nG92 X0.0 Y0.0\n{word}\nG01 X5.0 Y0.0\nM02\n"
+    assert asked(text) == ["iso-code"]
+    assert asked(text.replace(word, "") + word) == []  # behind the end
+    made = conversion.convert(f"{word.upper()}\nB5000B0B5000GXL1\nDD\n".encode(), to="iso")
+    assert [d.code for d in made.findings if d.severity is Severity.ERROR] == ["not-in-format"]

@@ -4,10 +4,11 @@ import pytest
 
 from wedmcam import api, conversion
 from wedmcam.api import positions
+from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 from wedmcam.options import WrongUse
-from wedmcam.targets import Entries, g41
+from wedmcam.targets import Entries, g41, target_of
 
 UM = builtin("iso-um")
 #: A slot of 10 by 5 mm with a round end, cut counter-clockwise from below; the wire outside.
@@ -282,3 +283,123 @@ def test_settings_take_the_table(tmp_path):
     )  # fmt: skip
     assert done.returncode == 1
     assert "no offset was given for D1" in done.stderr
+
+
+#: A square about the start, the wire inside, whose offset stands in the file.
+TABLE = """G90 G21
+G92 X8.0 Y0.0
+H001 = 0.14
+G01 G41 H001 X10.0
+Y10.0
+X-10.0
+Y-10.0
+X10.0
+Y0.0
+G40 X8.0
+M02
+"""
+
+
+def iso(text, table=(), **said):
+    said = {"name": "a.nc", "format": "iso"} | said
+    program, _, found = api.read_program(text.encode(), entered=Entries(d=tuple(table)), **said)
+    return program, found
+
+
+def codes(found):
+    return [d.code for d in found]
+
+
+def test_field_g41_h():
+    program, found = iso(TABLE)
+    assert codes(found) == ["iso-offsets"]
+    assert "H1 = 0.1400 mm, of the table in the file" in found[0].message
+    assert ends(program)[:2] == [(1860, 0), (1860, 9860)]
+    entered, _ = iso(TABLE.replace("H001 = 0.14\n", ""), [(1, 140.0)])
+    assert (program.blocks == entered.blocks).all()
+    as_d, _ = iso(TABLE.replace("G41 H001", "G41 D1"))
+    assert (program.blocks == as_d.blocks).all()
+
+
+def test_what_is_entered_wins_over_the_table_of_the_file():
+    program, found = iso(TABLE, [(1, 100.0)])
+    assert ends(program)[0] == (1900, 0)
+    assert codes(found) == ["iso-offsets"]
+    assert str(found[0].severity) == "warning"
+    assert "H1 = 0.1400 mm, of the table in the file; --d is 0.1000 mm" in found[0].message
+    _, found = iso(TABLE, [(1, 140.0)])
+    assert [str(d.severity) for d in found] == ["note"]
+    # What is entered for another number leaves that of the file.
+    assert ends(iso(TABLE, [(2, 100.0)])[0])[0] == (1860, 0)
+
+
+def test_the_table_of_the_file_wins_over_the_offset_of_a_drawing():
+    target = target_of(UM)
+    program, found = target.read(TABLE.encode(), "a.nc", Entries(every_um=100.0))
+    assert ends(program)[0] == (1860, 0)
+    assert "the table of the file counts" in found[0].message
+
+
+@pytest.mark.parametrize(
+    ("line", "um"),
+    [
+        ("H001 = +000000.1400", 140),
+        ("h1=.14", 140),
+        ("N5 H1 = 0.1 + 0.04 ; ROUGH", 140),
+        ("H000 = 0.0 H001 = .14 (ROUGH)", 140),
+        ("H5 = 0.04\nH1 = 0.1 + H5", 140),
+        ("H5 = 0.04\nH1 = .18 - H005 H2 = 9.0", 140),
+        ("H1 = 0.14\nH1 = 0.140", 140),
+        ("C001 = 10 0015 2215\nH1 = 0.14", 140),
+    ],
+)
+def test_tables_in_other_spellings(line, um):
+    program, found = iso(TABLE.replace("H001 = 0.14", line))
+    assert not [d for d in found if d.severity > 1], found
+    assert ends(program)[0] == (2000 - um, 0)
+
+
+def test_the_unit_of_a_table_is_that_of_the_file():
+    inch = TABLE.replace("G21", "G20").replace("0.14", "0.01")
+    assert ends(iso(inch)[0])[0] == (50800 - 254, 0)
+    late = TABLE.replace("G90 G21\n", "G90\n").replace("G01 G41", "G21 G01 G41")
+    assert codes(iso(late)[1]) == ["iso-units", "iso-offsets"]  # asked of G92 alone
+    asked = TABLE.replace(" G21", "")
+    assert set(codes(iso(asked)[1])) == {"iso-units", "iso-offsets"}
+    assert ends(iso(asked, units_in="mm")[0])[0] == (1860, 0)
+    whole = TABLE.replace("0.14", "140")
+    assert codes(iso(whole)[1]) == ["iso-units", "iso-offsets"]
+    assert ends(iso(whole, whole_in="um")[0])[0] == (1860, 0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ("H001 = 0.14", "H001 = 0.14\nH001 = 0.15", "set twice"),
+        ("H001 = 0.14", "H001 = -0.14", "G41 and G42 tell the side"),
+        ("H001 = 0.14", "H001 = 0.1 + H7", "H7 is set nowhere before it"),
+        ("H001 = 0.14", "H001 = H001", "H1 is set nowhere before it"),
+        ("G40", "H002 = 0.14\nG40", "behind the first G41"),
+        ("G41 H001", "G41 D1 H001", "D and H both"),
+        ("G41 H001", "G41 H1.5", "number of an offset"),
+        ("G41 H001", "G41", "no D at all"),
+        ("G41 H001", "G41 H2", "H2"),
+    ],
+)
+def test_tables_that_are_refused(old, new, what):
+    program, found = iso(TABLE.replace(old, new))
+    assert program is None
+    assert any(what in d.message for d in found if d.code in ("iso-d", "iso-compensation")), found
+
+
+def test_field_offset_header():
+    text = "%\nL002\n(PLATE)\nH175 = 0.0000\nH1 =.0085 + H175\nH2 =.0064 + H175\n" + (
+        "N5 G90\nN10 G92 X0.0 Y0.0\nN15 G1 X5.0 Y0.0\nN20 X5.0 Y5.0\nN25 M02\n%\n"
+    )
+    seen = identify(text.encode())
+    assert seen.format == "iso"
+    assert seen.reason.startswith("ISO G-code with an offset table (H175, H1, H2): 3 lines")
+    assert identify(TABLE.encode()).reason.endswith("by its table: H1")
+    _, found = iso(text.replace("L002\n", "").replace("G90", "G90 G20"))
+    assert codes(found) == ["text-skipped", "iso-offsets"]
+    assert "no G41 or G42 uses this table (3 offsets)" in found[1].message

@@ -10,7 +10,7 @@ from __future__ import annotations
 from wedmcam.diag.capped import LISTED, capped
 from wedmcam.diag.codes import CODES, Code
 from wedmcam.diag.finding import Diagnostic, Severity, error, has_errors, note, warning
-from wedmcam.diag.shown import json_text, shortened, visible
+from wedmcam.diag.shown import counted, json_text, shortened, visible
 from wedmcam.diag.span import ByteSpan, EntityRef, FileSpan, Span, TextSpan, option_texts
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "Span",
     "TextSpan",
     "capped",
+    "counted",
     "error",
     "has_errors",
     "json_text",

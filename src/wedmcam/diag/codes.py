@@ -783,6 +783,11 @@ CODES: dict[str, Code] = {
         "The path depends on a number that is not in the file.",
         "Give the table: --d 1=0.1mm for D1, as it is entered at the controller.",
     ),
+    "iso-offsets": Code(
+        "An ISO program holds a table of offsets (H001 = 0.14).",
+        "It says by how much G41 and G42 offset the path, unless --d gives something else.",
+        "Compare it with what is entered at the machine.",
+    ),
     "iso-d": Code(
         "G41 or G42 with a D that is missing, is no number of an offset, or was not given.",
         "By how much the controller would offset the path cannot be told.",

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
+from collections.abc import Iterable
 from typing import Any
 from unicodedata import category
 
@@ -80,3 +82,13 @@ def _json_escape(found: re.Match[str]) -> str:
     if _escaped(character) == character:
         return character
     return json.dumps(character)[1:-1]
+
+
+def counted(names: Iterable[str]) -> str:
+    """Return every different name once, in their order, with how often it is there.
+
+    >>> counted(["M20", "M80", "M20"])
+    'M20 (2 times), M80'
+    """
+    many = Counter(names)
+    return ", ".join(name if n == 1 else f"{name} ({n} times)" for name, n in many.items())

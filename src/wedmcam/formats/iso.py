@@ -21,13 +21,17 @@ END_UM = 5.0
 
 #: G codes that change a mode or a motion.
 MOTION = (0, 1, 2, 3)
-#: Modes in which a wire machine that is not told otherwise already is: nothing changes.
-NOTHING_NEW = (17, 61, 64, 80, 94, 95)
+#: G04, a wait, and modes in which a wire machine that is not told otherwise already is: nothing of
+#: the path changes.
+NOTHING_NEW = (4, 17, 61, 64, 80, 94, 95)
 PAUSES = (0, 1)
 ENDS = (2, 30)
 #: M codes that call or end a subprogram: M97 of Haas, M98 and M99 of all, M198 and M199 of an
 #: outer or a later one. They are refused: what they run is not in its place.
 SUBPROGRAMS = (97, 98, 99, 198, 199)
+#: M codes after which the same words may be another path: M60 turns the part at Makino, M70 to M73
+#: save and restore modes at LinuxCNC, the others of M7x are the builder's [R]. No profile knows.
+TURNS = (60, *range(70, 80))
 
 #: nanometres of one unit with a point.
 NM_OF_MM = 1_000_000
@@ -41,4 +45,5 @@ def is_word(text: str) -> bool:
     (True, False, False, False)
     """
     match = re.fullmatch(r"M(\d{1,4})", text)
-    return bool(match) and int(match[1]) not in PAUSES + ENDS + SUBPROGRAMS if match else False
+    other = PAUSES + ENDS + SUBPROGRAMS + TURNS
+    return bool(match) and int(match[1]) not in other if match else False

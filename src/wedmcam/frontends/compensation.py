@@ -34,12 +34,14 @@ class Modes:
         said: whether the line itself says one.
         d: D number in force, -1 for none.
         table: see `Table`.
+        letter: of the words that number offsets.
     """
 
     code: Ints
     said: Bools
     d: Ints
     table: Table
+    letter: str = "D"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,7 +156,7 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         Severity.ERROR,
         "iso-d",
         none,
-        lambda i: "G41 or G42 without a D: by how much is nowhere said",
+        lambda i: f"G41 or G42 without a {modes.letter}: by how much is nowhere said",
         "D with the number of the offset, such as G41 D1",
     )
     where = np.flatnonzero(on & first & (d >= 0))
@@ -163,7 +165,7 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         Severity.ERROR,
         "iso-d",
         rows[where],
-        lambda i: f"no offset was given for D{d[where[i]]}",
+        lambda i: f"no offset was given for {modes.letter}{d[where[i]]}",
         "give what is entered at the controller, such as "
         + " ".join(f"--d {n}=0.1mm" for n in np.unique(d[where]).tolist()),
     )

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
+from wedmcam.frontends.offsets import Entry
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.words import Words
 from wedmcam.machines import Layout
@@ -159,6 +160,33 @@ def _of_words(
     at, end = int(w.start[words[0]]), int(w.end[words[0]])
     said = f"{text.excerpt(at, end)}: {what}"
     return [Question(code, at, max(end - at, 1), said, assumed, hint, len(words))]
+
+
+def of_table(entries: list[Entry], said: Dialect, text: Plain, stated: bool) -> list[Question]:
+    """Return the questions of units of a table of offsets; ``stated``: the file says mm or inch."""
+    asked = []
+    for is_open, of, what, assumed, hint in (
+        (
+            said.is_open(said.units_nm) and not stated,
+            [e for e in entries if e.pointed],
+            "an offset with a point, and no G20 or G21 in the file: mm or inch?",
+            "mm",
+            "--units-in mm, or --units-in inch",
+        ),
+        (
+            said.is_open(said.whole_nm),
+            [e for e in entries if e.whole],
+            "an offset without a point: what is its last digit?",
+            "as the whole numbers of the default profile",
+            "--whole-in um, or --whole-in mm",
+        ),
+    ):
+        if is_open and of:
+            at, end = of[0].at, of[0].end
+            what = f"{text.excerpt(at, end)}: {what}"
+            hint = f"{hint}; or {_NAME_IT}"
+            asked.append(Question("iso-units", at, end - at, what, assumed, hint, len(of)))
+    return asked
 
 
 def of_centres(line: int, count: int, w: Words, text: Plain) -> list[Question]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wedmcam.formats import b4, compact, gap, rotation
 from wedmcam.frontends.compact import addresses
+from wedmcam.frontends.offsets import tables_of
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
 
@@ -113,7 +114,8 @@ def _iso(data: bytes) -> Identification | None:
     """Return what a text of ISO words is, or None: nine lines in ten must be such words."""
     if data.count(b"\0") > len(data) // 8 and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return None
-    codes = _ISO_COMMENT.sub(lambda m: b" " * len(m[0]), plain(data).codes)
+    codes, entries, _ = tables_of(plain(data).codes)
+    codes = _ISO_COMMENT.sub(lambda m: b" " * len(m[0]), codes)
     at, motions, lines, last, bad = 0, 0, 0, -1, None
     coded = False
     for line in codes.split(b"\n"):
@@ -140,12 +142,14 @@ def _iso(data: bytes) -> Identification | None:
     if not coded or not motions or wrong * 10 > lines:
         return None
     words = "line" if motions == 1 else "lines"
-    reason = f"ISO G-code: {motions} {words} with a motion" + (
+    named = ", ".join(f"H{n}" for n in dict.fromkeys(e.number for e in entries))
+    table = f" with an offset table ({named})" if entries else ""
+    reason = f"ISO G-code{table}: {motions} {words} with a motion" + (
         "" if bad is None else f", {wrong} other"
     )
     if re.search(rb"G *4[12](?!\d)", codes):
-        numbers = sorted({int(n) for n in re.findall(rb"D *(\d{1,6})", codes)})
-        given = ", ".join(f"D{n}" for n in numbers) or "no D"
+        numbers = sorted({(k, int(n)) for k, n in re.findall(rb"([DH]) *(\d{1,6})", codes)})
+        given = ", ".join(f"{k.decode()}{n}" for k, n in numbers) or "no D"
         reason += f"; the controller offsets outlines (G41, G42) by its table: {given}"
     return Identification("iso", motions, last, bad, bad is None, reason)
 

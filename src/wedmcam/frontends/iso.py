@@ -13,7 +13,8 @@ reads programs that need no table. What a file does not say itself, and who says
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from decimal import Decimal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from wedmcam.formats.listing import in_order, listed
 from wedmcam.frontends import dialect as dialects
 from wedmcam.frontends.compensation import Modes, Runs, Table, runs_of
 from wedmcam.frontends.dialect import UNSAID, Dialect, Question
+from wedmcam.frontends.offsets import tables_of
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.frontends.words import Words, words_of
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
@@ -36,6 +38,8 @@ Floats = NDArray[np.float64]
 
 #: Coordinates beyond this are an error, nm: a kilometre.
 _MOST_NM = 10**12
+#: So many different words are named in one finding; others are counted.
+NAMED = 24
 #: Codes of findings on a path: another unit or rule has others.
 _DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 
@@ -46,8 +50,12 @@ class _Reader:
     def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
         self.machine, self.file, self.dialect = machine, file, dialect
-        self.words: Words = words_of(self.plain.codes, dialect.semicolon == "block")
+        codes, self.entries, self.conditions = tables_of(self.plain.codes)
+        self.words: Words = words_of(codes, dialect.semicolon == "block")
         self.lines = len(self.words.line_start)
+        self.titles = self.words.titles()
+        if len(self.titles):
+            self.words = self.words.without(self.titles)
         size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
         self.spans = TextSpans(file, self.plain.codes, self.words.line_start, size)
         self.found: list[tuple[int, Diagnostic]] = []
@@ -57,9 +65,22 @@ class _Reader:
     def tell_words(
         self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None
     ) -> None:
-        """Report words; the lines of errors are not read."""
+        """Report words, warnings with every different word and how often it stands there.
+
+        The lines of errors are not read.
+        """
         w = self.words
         where = np.flatnonzero(mask)
+        if severity is not Severity.ERROR:
+            if len(where):
+                at, end = int(w.start[where[0]]), int(w.end[where[0]])
+                what = f"{self._named(where)}: {why}"
+                place = self.spans.at(at, end - at)
+                count = len(where)
+                self.found.append(
+                    (at, Diagnostic(severity, code, what, place, hint=hint, count=count))
+                )
+            return
         for i, d in listed(
             severity,
             code,
@@ -69,8 +90,23 @@ class _Reader:
             hint,
         ):
             self.found.append((int(w.start[i]), d))
-        if severity is Severity.ERROR:
-            self.bad[w.line[where]] = True
+        self.bad[w.line[where]] = True
+
+    def _named(self, where: Ints) -> str:
+        """Return the different ones of some words, in their order, each with its count."""
+        w = self.words
+        # Letter, digits and decimals as one number: 12 digits leave room for both.
+        key = (w.whole[where] * 16 + np.minimum(w.decimals[where], 15)) * 128 + w.letter[where]
+        _, first, many = np.unique(key, return_index=True, return_counts=True)
+        order = np.argsort(first)
+        named = [
+            self.plain.excerpt(int(w.start[i]), int(w.end[i])) + (f" ({n} times)" if n > 1 else "")
+            for i, n in zip(
+                where[first[order[:NAMED]]].tolist(), many[order].tolist(), strict=False
+            )
+        ]
+        rest = int(many[order[NAMED:]].sum())
+        return ", ".join(named) + (f" and {rest} more" if rest else "")
 
     def tell_lines(
         self,
@@ -80,13 +116,15 @@ class _Reader:
         message: Callable[[int], str],
         hint: str | None = None,
     ) -> None:
-        """Report lines, by index into ``where``."""
+        """Report lines, by index into ``where``; of warnings the first, with how many there are."""
+        quiet = severity is not Severity.ERROR and len(where) > 1
+        many = f" ({len(where)} lines)" if quiet else ""
         for i, d in listed(
             severity,
             code,
             np.arange(len(where)),
             lambda i: self.spans[int(where[i])],
-            message,
+            lambda i: message(i) + many,
             hint,
         ):
             self.found.append((int(self.words.line_start[where[i]]), d))
@@ -137,6 +175,7 @@ def read(
     file: str,
     table: Table | None = None,
     dialect: Dialect | None = None,
+    assumed: bool = False,
 ) -> tuple[Programmed, list[Diagnostic]]:
     """Return the program of an ISO file, with outlines where the controller is to offset.
 
@@ -145,12 +184,15 @@ def read(
         machine: an ISO profile.
         file: name for the spans.
         table: D number -> offset, um, as entered at the controller. A motion whose D is 0 um is
-            stepped as it stands. None: G41 and G42 are refused, with the D numbers used.
+            stepped as it stands. None: G41 and G42 are refused, with the D numbers used, but for
+            those of a table in the file (``H001 = 0.14``).
+        assumed: the table is taken from a drawing, and was not entered: that of the file wins.
         dialect: as for `decode`.
     """
     r = _Reader(data, machine, file, dialect or Dialect())
-    w = r.words
     _tell_text(r)
+    _take_dwells(r)
+    w = r.words
     g, m = w.letter == ord("G"), w.letter == ord("M")
     whole = w.good & ~w.pointed & (w.whole >= 0)
     err, warn = Severity.ERROR, Severity.WARNING
@@ -158,8 +200,12 @@ def read(
     # G91.1, the only code with a point that is known: I and J lead from the start.
     from_start = g & w.good & w.pointed & (w.whole == 911) & (w.decimals == 1)
     _from_start(r, from_start)
+    dotted = _dotted(r)
     r.tell_words(
-        err, "iso-word", w.good & (g | m) & ~whole & ~from_start, "a code is a whole number"
+        err,
+        "iso-word",
+        w.good & (g | m) & ~whole & ~from_start & ~dotted,
+        "a code is a whole number",
     )
     g, m = g & whole, m & whole
 
@@ -185,22 +231,28 @@ def read(
     comp = g & (code >= 40) & (code <= 42)
     set_mode("comp", comp, code)
     set_mode("g92", g & (code == 92), code)
-    known = g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
+    work = g & (code >= 53) & (code <= 59)
+    known = work | g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
     idle = g & np.isin(code, iso.NOTHING_NEW)
-    r.tell_words(Severity.NOTE, "iso-ignored", idle, "a wire machine is in this mode anyway")
+    work_idle = work & ~_moving_frames(r, work)
+    quiet = idle | dotted | from_start | work_idle
+    r.tell_words(Severity.NOTE, "iso-ignored", quiet, "nothing of the path changes by it")
     r.tell_words(
         err,
         "iso-code",
         g & ~known & ~idle,
         "a code that is not known here and may change the path",
-        "known are G00 to G03, G20, G21, G40, G70, G71, G90, G91, G92",
+        "known are G00 to G04, G17, G20, G21, G40 to G42, G54 to G59, G70, G71, G80, G90 to G92",
     )
     axes = {k: _column(r, k) for k in "XYIJR"}
     offsets = comp & (code != 40)
-    names = b"GMXYIJRND" if offsets.any() else b"GMXYIJRN"
-    modes = _modes(r, modal["comp"], offsets, table)
+    names = b"GMXYIJRNDH" if offsets.any() else b"GMXYIJRN"
+    inches = _filled(*modal["inch"], UNSAID)
+    modes = _modes(r, modal["comp"], offsets, _Tables(table, assumed, inches))
     other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8))
+    condition = other & _conditions(w)
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
+    third &= ~condition
     r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
     calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
     feed = other & (w.letter == ord("F")) & bool(r.machine.iso.feed_um)
@@ -214,7 +266,6 @@ def read(
     )
     distance = _filled(*modal["distance"], UNSAID)
     motion = _filled(*modal["motion"], -1)
-    inches = _filled(*modal["inch"], UNSAID)
     reset = modal["g92"][1]
     if r.machine.iso.start == "move":
         reset = reset | _start(axes, motion, reset)
@@ -226,7 +277,6 @@ def _from_start(r: _Reader, words: Bools) -> None:
     """Take what G91.1 says of I and J, whatever an option says."""
     if not words.any():
         return
-    r.tell_words(Severity.NOTE, "iso-ignored", words, "I and J lead from the start, as read here")
     if r.dialect.centres == "absolute":
         _tell_stated(r, r.words.line[words][:1], "G91.1", "--centres-in")
     r.dialect = replace(r.dialect, centres="start")
@@ -241,28 +291,142 @@ def _start(axes: dict[str, tuple[Ints, Bools, Bools, Ints]], motion: Ints, reset
     return out
 
 
-def _modes(
-    r: _Reader, comp: tuple[Ints, Bools], offsets: Bools, table: Table | None
-) -> Modes | None:
+def _take_dwells(r: _Reader) -> None:
+    """Take the time behind G04 (X, U, P, F or S) out of the words: it is no place and no call."""
+    w = r.words
+    dwell = (w.letter == ord("G")) & w.good & ~w.pointed & (w.whole == 4)
+    if not dwell.any():
+        return
+    here = np.zeros(r.lines, bool)
+    here[w.line[dwell]] = True
+    of = here[w.line]
+    time = of & w.good & np.isin(w.letter, np.frombuffer(b"XUPFS", np.uint8))
+    places = of & np.isin(w.letter, np.frombuffer(b"XYIJRUV", np.uint8))
+    many = np.bincount(w.line[places], minlength=r.lines)
+    other = places & (~time | (many[w.line] > 1))
+    other |= of & (w.letter == ord("G")) & ((w.whole <= 3) | (w.whole == 92))
+    why = "a place or a motion in a line with G04: which of them is the time cannot be told"
+    r.tell_words(Severity.ERROR, "iso-code", other, why, "G04 in a line of its own")
+    r.words = w.without_words(time)
+
+
+def _dotted(r: _Reader) -> Bools:
+    """Return which codes with a point change nothing: G17.1 where no arc is."""
+    w = r.words
+    found: Bools = (w.letter == ord("G")) & w.good & w.pointed & (w.decimals == 1)
+    if not found.any():
+        return found
+    arcs = (w.letter == ord("G")) & ~w.pointed & np.isin(w.whole, (2, 3))
+    found &= (w.whole == 171) & (not arcs.any())
+    return found
+
+
+def _moving_frames(r: _Reader, work: Bools) -> Bools:
+    """Return which of G53 to G59 may move the path, and report them.
+
+    One work offset in front of every place is where the part stands on the table; the machine
+    knows how far another one lies from it. G53 counts in a line with a place alone.
+    """
+    w = r.words
+    if not work.any():
+        return work
+    places = np.zeros(r.lines, bool)
+    places[w.line[np.isin(w.letter, np.frombuffer(b"XYIJR", np.uint8))]] = True
+    reset = (w.letter == ord("G")) & ~w.pointed & (w.whole == 92)
+    first = int(np.argmax(places)) if places.any() else r.lines
+    offsets = work & (w.whole > 53)
+    rows = np.flatnonzero(offsets)
+    machine = work & (w.whole == 53) & places[w.line]
+    late: Bools = np.zeros(len(w.line), bool)
+    if len(rows):
+        late = offsets & (w.whole != w.whole[rows[0]])
+        late |= offsets & (w.line[rows[0]] > first)
+        zero = np.zeros(r.lines, bool)
+        zero[w.line[reset]] = True
+        late |= offsets & (w.line[rows[0]] == first) & zero[w.line]
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        machine,
+        "a place of the machine: where the part stands on it is not in the file",
+        "leave the move out; the program starts where the wire is threaded",
+    )
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        late,
+        "another work offset, or one behind the first place: how far it lies is not in the file",
+        "one program for each work offset, or one offset in front of all places",
+    )
+    late |= machine
+    return late
+
+
+def _conditions(w: Words) -> Bools:
+    """Return which C words name a condition of the generator, as C001 does, and turn no axis.
+
+    Three digits or more without sign and point, in a line that goes nowhere [R]: C90 turns by 90.
+    """
+    found: Bools = (w.letter == ord("C")) & ~w.pointed & (w.whole >= 0) & (w.end - w.start >= 4)
+    if not found.any():
+        return found
+    goes = np.isin(w.letter, np.frombuffer(b"XYIJRZUVABKW", np.uint8))
+    goes |= (w.letter == ord("G")) & (w.whole <= 3)
+    found &= ~np.isin(w.line, w.line[goes])
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Tables:
+    """What offsets are read by: the table that is given, whether assumed, and the unit a line."""
+
+    given: Table | None
+    assumed: bool
+    inches: Ints
+
+
+def _modes(r: _Reader, comp: tuple[Ints, Bools], offsets: Bools, tables: _Tables) -> Modes | None:
     """Return the state of compensation at every line; None where there is none, or no table."""
+    _tell_tables(r, bool(offsets.any()))
     if not offsets.any():
         return None
     value, has, pointed, _ = _column(r, "D")
+    letter = "D"
+    h_value, h_has, h_pointed, _ = _column(r, "H")
+    both = np.flatnonzero(h_has) if has.any() else np.zeros(0, np.int64)
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-d",
+        both,
+        lambda i: "D and H both number offsets in this file: which of them counts is nowhere said",
+        "leave one of them out",
+    )
+    if len(both):
+        return None
+    if h_has.any():
+        letter, value, has, pointed = "H", h_value, h_has, h_pointed
     wrong = has & (pointed | (value < 0))
     r.tell_lines(
         Severity.ERROR,
         "iso-d",
         np.flatnonzero(wrong),
-        lambda i: "D is the number of an offset in the controller's table: whole, from 0 on",
-        "D with the number of the offset, such as G41 D1",
+        lambda i: (
+            f"{letter} is the number of an offset in the controller's table: whole, from 0 on"
+        ),
+        f"{letter} with the number of the offset, such as G41 {letter}1",
     )
     if wrong.any():
         return None
     d = _filled(value, has, -1)
-    if table is None:
-        used = np.unique(d[r.words.line[offsets]])
-        given = " ".join(f"--d {max(n, 1)}=0.1mm" for n in used.tolist())
-        called = ", ".join("no D at all" if n < 0 else f"D{n}" for n in used.tolist())
+    used: list[int] = np.unique(d[r.words.line[offsets]]).tolist()
+    filed = _filed(r, tables.inches, int(r.words.start[np.argmax(offsets)]))
+    if filed is None:
+        return None
+    table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
+    missing = [n for n in used if n not in filed] if tables.given is None else []
+    if missing:
+        given = " ".join(f"--d {max(n, 1)}=0.1mm" for n in missing)
+        called = ", ".join(f"no {letter} at all" if n < 0 else f"{letter}{n}" for n in missing)
         r.tell_words(
             Severity.ERROR,
             "iso-compensation",
@@ -271,8 +435,101 @@ def _modes(
             f"give what is entered at the controller: {given}",
         )
         return None
-    codes = _filled(*comp, 40)
-    return Modes(codes, comp[1], d, table)
+    return Modes(_filled(*comp, 40), comp[1], d, table, letter)
+
+
+def _tell_tables(r: _Reader, used: bool) -> None:
+    """Report tables of a file that change nothing."""
+    for a, b in r.conditions[:1]:
+        many = f" ({len(r.conditions)} lines)" if len(r.conditions) > 1 else ""
+        what = f"{r.plain.excerpt(a, b)}: a table of conditions, not read{many}"
+        hint = "feed, generator and offset tables are set at the machine"
+        said = warning("iso-ignored", what, r.spans.at(a, b - a), hint=hint)
+        r.found.append((a, replace(said, count=len(r.conditions))))
+    if r.entries and not used:
+        one, size = r.entries[0], len(r.entries)
+        what = f"{r.plain.excerpt(one.at, one.end)}: no G41 or G42 uses this table ({size} offsets)"
+        place = r.spans.at(one.at, one.end - one.at)
+        r.found.append((one.at, note("iso-offsets", what, place, count=size)))
+
+
+def _filed(r: _Reader, inches: Ints, first_use: int) -> dict[int, float] | None:
+    """Return the offsets of the file's own table, number to um; None where it cannot be read.
+
+    ``first_use``: where in the text the first G41 or G42 stands.
+    """
+    stated = np.unique(inches[inches != UNSAID])
+    nm: dict[int, Decimal] = {}
+    wrong = False
+    for entry in r.entries:
+        line = int(np.searchsorted(r.words.line_end, entry.at))
+        inch = int(inches[line]) if len(stated) != 1 else int(stated[0])
+        point, digit = _entry_units(r, inch)
+        value = entry.pointed * point + entry.whole * (digit or 0)
+        value += sum(sign * nm.get(n, Decimal(0)) for sign, n in entry.refers)
+        unset = [n for _, n in entry.refers if n not in nm]
+        problem = None
+        if unset:
+            problem = f"H{unset[0]} is set nowhere before it"
+        elif entry.at > first_use:
+            problem = "it is set behind the first G41 or G42: what was in force there is not known"
+        elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
+            problem = "the file has inches and mm, and neither is in force here"
+        elif entry.whole and digit is None:
+            problem = "a whole number in inches: what its last digit is stands nowhere"
+        elif nm.setdefault(entry.number, value) != value:
+            problem = "the offset is set twice, to different values"
+        elif value < 0 or value > _MOST_NM:
+            problem = "an offset is from 0 to a kilometre; G41 and G42 tell the side"
+        place = r.spans.at(entry.at, entry.end - entry.at)
+        if problem is not None:
+            text = f"{r.plain.excerpt(entry.at, entry.end)}: {problem}"
+            hint = "put the table right, in front of the first G41 or G42"
+            r.found.append((entry.at, error("iso-d", text, place, hint=hint)))
+            wrong = True
+    r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
+    return None if wrong else {n: float(v / 1000) for n, v in nm.items()}
+
+
+def _entry_units(r: _Reader, inch: int) -> tuple[int, int | None]:
+    """Return what 1 is in a table with a point and without one, nm; None where nothing says it."""
+    said = r.dialect
+    point = iso.NM_OF_INCH if inch == 1 else iso.NM_OF_MM
+    if inch == UNSAID and said.units_nm is not None:
+        point = said.units_nm
+    if said.whole_nm is not None:
+        return point, said.whole_nm
+    if point == iso.NM_OF_INCH:
+        return point, dialects.INCH_DIGIT_NM if said.is_open(None) else None
+    return point, 1000 if r.machine.iso.integers == "um" else iso.NM_OF_MM
+
+
+def _merged(
+    r: _Reader, tables: _Tables, filed: dict[int, float], used: list[int], letter: str
+) -> Table:
+    """Return the table that counts, and say which it is where the file has one."""
+    if not filed:
+        return tables.given or filed.get
+    step = r.machine.axes.step_um / 1000
+    entered = {n: tables.given(n) for n in used} if tables.given is not None else {}
+    for n in used:
+        mine, other = filed.get(n), entered.get(n)
+        if mine is None or (mine == 0 and other is None):
+            continue
+        entry = next(e for e in r.entries if e.number == n)
+        place = r.spans.at(entry.at, entry.end - entry.at)
+        what = f"{letter}{n} = {mine * step:.4f} mm, of the table in the file"
+        if other is None or abs(other - mine) < 0.05:
+            r.found.append((entry.at, note("iso-offsets", what, place)))
+            continue
+        which = "that of the drawing" if tables.assumed else "--d"
+        wins = "the table of the file" if tables.assumed else "--d"
+        what += f"; {which} is {other * step:.4f} mm: {wins} counts"
+        hint = "see which is entered at the machine"
+        r.found.append((entry.at, warning("iso-offsets", what, place, hint=hint)))
+    own = {n: um for n, um in filed.items() if tables.assumed or entered.get(n) is None}
+    given = tables.given
+    return lambda n: own[n] if n in own else given(n) if given is not None else None
 
 
 def _tell_text(r: _Reader) -> None:
@@ -284,8 +541,19 @@ def _tell_text(r: _Reader) -> None:
         r.questions += dialects.of_semicolons(w, r.plain, own)
     texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
     for a, b in texts[:1]:
-        what = f"comment: {r.plain.excerpt(a, b)}"
+        many = f" ({len(texts)} comments)" if len(texts) > 1 else ""
+        what = f"comment: {r.plain.excerpt(a, b)}{many}"
         r.found.append((a, note("text-skipped", what, r.spans.at(a, b - a), count=len(texts))))
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-word",
+        r.titles,
+        lambda i: (
+            f"line {int(r.titles[i]) + 1} is text, no ISO words: "
+            f"{r.plain.excerpt(int(w.line_start[r.titles[i]]), int(w.line_end[r.titles[i]]))}"
+        ),
+        "put text into brackets: (TITLE); or remove the line",
+    )
     if len(w.stray):
         lines = np.unique(np.searchsorted(w.line_end, w.stray))
         first = {
@@ -509,7 +777,18 @@ def _program(
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
     kinds[np.isin(codes, iso.ENDS)] = Kind.STOP
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
-    unknown[m_rows[plain_word & (m_lines <= stop_line)]] = True
+    plain_word &= m_lines <= stop_line
+    turns = np.zeros(len(w.letter), bool)
+    turns[m_rows[plain_word & np.isin(codes, iso.TURNS)]] = True
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        turns,
+        "turns the part or changes modes at some machines",
+        "no profile knows what it does; take it out where it changes no path",
+    )
+    unknown[m_rows[plain_word]] = True
+    unknown &= ~turns
     r.tell_words(
         Severity.WARNING,
         "unknown-word",

@@ -7,7 +7,7 @@ letter to the next letter or line end. Comments are taken out before.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,36 @@ class Words:
     line_start: Ints
     line_end: Ints
     skipped: Ints
+
+    def titles(self) -> Ints:
+        """Return the lines that are text: letters that no number follows, before any other word.
+
+        A line of which one letter alone has lost its number is a wrong word, and no text.
+        """
+        alone = ~self.good & (self.end - self.start == 1)
+        if not alone.any():
+            return np.zeros(0, np.int64)
+        of = self.line[alone]
+        lines, many = np.unique(of, return_counts=True)
+        numbered = self.letter != ord("N")
+        opens = np.zeros(len(self.line), bool)
+        rows = np.flatnonzero(numbered | alone)
+        opens[rows[np.unique(self.line[rows], return_index=True)[1]]] = True
+        first = np.isin(lines, self.line[opens & alone])
+        found: Ints = lines[(many >= 4) | ((many >= 2) & first)]
+        return found
+
+    def without(self, lines: Ints) -> Words:
+        """Return the words, and what belongs to none, of all lines but these."""
+        gone = np.zeros(len(self.line_start), bool)
+        gone[lines] = True
+        stray = self.stray[~gone[np.searchsorted(self.line_end, self.stray)]]
+        return replace(self.without_words(gone[self.line]), stray=stray)
+
+    def without_words(self, gone: Bools) -> Words:
+        """Return all words but some."""
+        columns = ("letter", "start", "end", "line", "whole", "decimals", "pointed", "good")
+        return replace(self, **{name: getattr(self, name)[~gone] for name in columns})
 
 
 def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:

@@ -150,8 +150,11 @@ class Target(Protocol):
         """Return how the arcs of an outline go with a gap, a number a block; None of a path."""
         ...
 
-    def carry_rules(self) -> carry.Rules:
-        """Return what its format asks of the blocks of a program that comes from another one."""
+    def carry_rules(self, source: str) -> carry.Rules:
+        """Return what its format asks of the blocks of a program that comes from another one.
+
+        ``source``: the format of that program. The words of one are no words of every other.
+        """
         ...
 
     def write_carried(

@@ -46,6 +46,7 @@ def decode(
     file: str,
     table: Table | None = None,
     dialect: Dialect | None = None,
+    assumed: bool = False,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that an ISO file means to a controller with these offsets.
 
@@ -55,13 +56,14 @@ def decode(
         file: name for the spans.
         table: D number -> offset, um; None to refuse G41 and G42.
         dialect: what is said beside the file; None: it is of this machine.
+        assumed: the table is that of a drawing: one in the file wins.
     """
     from wedmcam.frontends.axes import to_drawing
     from wedmcam.frontends.iso import read
 
     step = machine.axes.step_um  # what follows is in steps of the machine
     steps = table if table is None or step == 1 else _in_steps(table, step)
-    made, found = read(data, machine, file, steps, dialect)
+    made, found = read(data, machine, file, steps, dialect, assumed)
     program = made.program
     if len(made.motions) and not has_errors(found):
         from wedmcam.transforms.controlled import applied

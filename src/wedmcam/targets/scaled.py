@@ -19,7 +19,7 @@ from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
 from wedmcam.targets import gap
 from wedmcam.targets.entries import Entries
-from wedmcam.targets.stated import Memory, Stated
+from wedmcam.targets.stated import KIN_3B, Memory, Stated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,6 +157,7 @@ class B4(Scaled):
     """4B: text."""
 
     end = True
+    kin = KIN_3B
 
 
 class Compensation(Scaled, Memory):

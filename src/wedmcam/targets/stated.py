@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from wedmcam.transforms.lower import Rules
 
 
+#: Formats with control words of one kind, a shop's own among them; an M word of ISO is none.
+KIN_3B = frozenset({"3b", "4b"})
+
+
 @dataclass(frozen=True, slots=True)
 class Stated:
     """What all of them share; a format with nothing special needs no more.
@@ -34,6 +38,7 @@ class Stated:
         square: arcs count on the inscribed square, not on an axis.
         geometric: J by geometry can be asked for (``--count textbook``).
         words: a pattern of the bare control words that the format keeps; empty for none.
+        kin: formats of which it keeps every word.
         pairs: a line alone between two pauses would be read as a move.
         end: there is a record for the end of the file beside that for the end of cutting.
         turns: a block may hold more than a turn.
@@ -49,7 +54,8 @@ class Stated:
     needs_lead: ClassVar[str] = ""
     square: ClassVar[bool] = False
     geometric: ClassVar[bool] = False
-    words: ClassVar[str] = ".*"
+    words: ClassVar[str] = ""
+    kin: ClassVar[frozenset[str]] = frozenset()
     pairs: ClassVar[bool] = True
     end: ClassVar[bool] = False
     turns: ClassVar[bool] = True
@@ -143,7 +149,7 @@ class Stated:
         """A path is no outline."""
         return None
 
-    def carry_rules(self) -> carry.Rules:
+    def carry_rules(self, source: str) -> carry.Rules:
         """See `Target`."""
         from wedmcam.transforms.carry import Rules
 
@@ -153,7 +159,7 @@ class Stated:
             stepping=self.machine.stepping,
             count_um=self.machine.limits.count_um,
             line_um=self.machine.limits.line_um,
-            words=self.words,
+            words=".*" if source in self.kin else self.words,
             pairs=self.pairs,
             end=self.end,
             turns=self.turns,
@@ -189,6 +195,7 @@ class B3(Stated):
     states_counts = True
     geometric = True
     end = True
+    kin = KIN_3B
 
 
 class Iso(Stated):
@@ -221,7 +228,8 @@ class Iso(Stated):
         """See `Target`."""
         from wedmcam.targets.g41 import decode
 
-        return decode(data, self.machine, file, entries.offset_of(), entries.dialect)
+        table = entries.offset_of()
+        return decode(data, self.machine, file, table, entries.dialect, assumed=not entries.d)
 
 
 def _one_offset(plan: Plan) -> float | None:
@@ -236,7 +244,6 @@ class Memory(Stated):
 
     is_text = False
     square = True
-    words = ""
     pairs = False
 
     @property

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Motion, Stepping
-from wedmcam.diag import Diagnostic, Span, error, warning
+from wedmcam.diag import Diagnostic, Span, counted, error, warning
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 
 Ints = NDArray[np.int64]
@@ -81,13 +81,11 @@ def carry(
         [i for i, word in words.items() if not re.fullmatch(rules.words, word)], dtype=np.int64
     )
     if len(lost):
-        for text in dict.fromkeys(words[i] for i in lost.tolist()):
-            where = [i for i in lost.tolist() if words[i] == text]
-            what = f"the control word '{text}' has no place in the other format"
-            hint = "see to it at the machine"
-            found.append(
-                warning("not-carried", what, _span(program, where[0]), hint=hint, count=len(where))
-            )
+        which = counted(words[i] for i in lost.tolist())
+        what = f"control words that have no place in the other format, left out: {which}"
+        hint = "see to it at the machine"
+        at = _span(program, int(lost[0]))
+        found.append(warning("not-carried", what, at, hint=hint, count=len(lost)))
         kept[lost] = False
     stops = np.flatnonzero((kind == Kind.STOP) | (kind == Kind.END))
     if len(stops) and not rules.end:

@@ -317,3 +317,12 @@ def test_a_taken_place_is_refused_unless_forced() -> None:
     assert not sheet.claim((125, 105, 140, 115))
     assert sheet.claim((125, 105, 140, 115), force=True)
     assert sheet.claim((141, 105, 150, 115))
+
+
+def test_of_very_many_thread_points_some_are_drawn() -> None:
+    from wedmcam.backends.svg_sheet import Sheet
+    from wedmcam.backends.svg_threads import MOST, draw_threads
+
+    sheet = Sheet((0.0, 0.0, 100.0, 100.0), "many", 0)
+    ((_, told),) = draw_threads(sheet, [(k % 100, k // 100, "T", "") for k in range(3 * MOST)])
+    assert told.endswith(", 2,000 more are not drawn")

@@ -23,6 +23,8 @@ SIZE = 10.5
 ARM = 7.0
 #: Distances from a cross at which a number is tried, and in how many directions.
 RINGS, DIRECTIONS = (22.0, 32.0, 44.0, 58.0, 74.0, 92.0), 16
+#: So many thread points are drawn; of more nobody tells one from the other.
+MOST = 1000
 #: Ticks on the kept side: distance and length, sheet units.
 TICK_EVERY, TICK = 16.0, 6.0
 
@@ -42,6 +44,7 @@ def draw_threads(
         threads: x, y (mm), name and tool tip of each.
         start: what is printed before the name of the first one, where the program starts.
     """
+    left, threads = len(threads) - MOST, threads[:MOST]
     for x_mm, y_mm, _, told in threads:
         x, y = sheet.at(x_mm, y_mm)
         sheet.symbol(
@@ -57,6 +60,7 @@ def draw_threads(
     if not threads:
         return []
     many = f", {bare} without room for a number" if bare else ""
+    many += f", {left:,} more are not drawn" if left > 0 else ""
     return [(_CROSS, f"thread point{many}")]
 
 

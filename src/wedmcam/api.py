@@ -663,7 +663,7 @@ def _asked_plan(
 
 
 def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list[Diagnostic]:
-    """Return a note of the offsets that a controller is taken to have, where nobody said them."""
+    """Return a note of the offsets that are assumed of a controller, where none are stated."""
     from wedmcam.diag import note
 
     if not target.makes_path or options.d or options.offset_um is not None:

@@ -1,8 +1,7 @@
 """A picture of a drawing that is refused: everything that was read, and a number at each place.
 
-Contours are no help here: where segments branch, nobody can say which contour they are of. So the
-segments are drawn as they were read, and the places of findings are ringed, numbered, and listed in
-the title block.
+Segments that branch belong to no one contour, so contours cannot be drawn. The segments are drawn
+as they were read, and the places of findings are ringed, numbered, and listed in the title block.
 """
 
 from __future__ import annotations

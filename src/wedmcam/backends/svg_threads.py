@@ -23,7 +23,7 @@ SIZE = 10.5
 ARM = 7.0
 #: Distances from a cross at which a number is tried, and in how many directions.
 RINGS, DIRECTIONS = (22.0, 32.0, 44.0, 58.0, 74.0, 92.0), 16
-#: So many thread points are drawn; of more nobody tells one from the other.
+#: So many thread points are drawn: more would cover each other.
 MOST = 1000
 #: Ticks on the kept side: distance and length, sheet units.
 TICK_EVERY, TICK = 16.0, 6.0

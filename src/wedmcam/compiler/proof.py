@@ -40,7 +40,7 @@ class Placing:
     """What is known of where a program starts in the drawing.
 
     Attributes:
-        origin_um: as it was stated, or by a certificate; None where nobody did.
+        origin_um: as an option or a certificate states it; None where neither does.
         given: thread points of the drawing and of the options, um.
         fit: a translation may be fitted although thread points are given.
         ours: the program is said to be of this plan, so that order and leads are the plan's too.

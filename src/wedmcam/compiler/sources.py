@@ -79,7 +79,7 @@ class Seen:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeenWithoutUnits:
-    """Likewise where nobody says the units: one drawing unit is shown as 1 mm."""
+    """What was read of a drawing without units: one drawing unit is shown as 1 mm."""
 
     data: bytes
     file: str

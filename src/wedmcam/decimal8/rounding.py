@@ -24,7 +24,7 @@ PIECE = 32768
 
 #: How near to the middle, in units of the last digit, a float64 value may come and still be
 #: believed. Each rounding of a number below 1e8 is 1.1e-8: an operand, a product, the scaling.
-#: numpy's functions are good to 8 of those (`functions.LIBRARY`).
+#: numpy's functions are good to 8 of those (the bound in `functions`).
 NEAR = 2e-7
 _SURE = 0.5 - NEAR
 #: From here on a mantissa may be that of a power of ten from which digits were lost.

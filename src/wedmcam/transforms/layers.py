@@ -83,9 +83,9 @@ def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], 
     What a shop says of the layers of all its drawings may miss in one; what was asked for with this
     drawing in mind may not: its contours would be cut on the wrong side.
     """
-    layers = [_layer(s) for s in sketch.sources]
     if not (options.layer_sides or options.layer_offsets):
         return [(rule_of("", options), sketch)], []
+    layers = [_layer(s) for s in sketch.sources]
     names = {layer.casefold() for layer in layers}
     rules = {layer: rule_of(layer, options, names) for layer in dict.fromkeys(layers)}
     used = sketch.segments["source"]

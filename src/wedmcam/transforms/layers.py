@@ -6,7 +6,6 @@ drawn once more as that of its die, and neither a copy nor a crossing of it is o
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -15,6 +14,7 @@ import numpy as np
 
 from wedmcam.diag import Diagnostic, EntityRef, Span, error, warning
 from wedmcam.ir.contour import Contour
+from wedmcam.ir.names import Names
 from wedmcam.ir.plan import Side
 from wedmcam.ir.sketch import Sketch
 from wedmcam.options import Options
@@ -64,15 +64,9 @@ def rule_of(layer: str, options: Options, names: Collection[str] = ()) -> Rule:
 
 def _said(layer: str, said: Sequence[tuple[str, T]], names: Collection[str]) -> T | None:
     """Return what is said of a layer: under its name, else under the first wildcard for it."""
-    name = layer.casefold()
-    patterns = [(pattern.casefold(), value) for pattern, value in said]
-    for pattern, value in patterns:
-        if pattern == name:
-            return value
-    for pattern, value in patterns:
-        if pattern not in names and fnmatch.fnmatchcase(name, pattern):
-            return value
-    return None
+    fits = [(word, value) for word, value in said if layer in Names([word], names)]
+    literal = [value for word, value in fits if word.casefold() == layer.casefold()]
+    return next(iter([*literal, *(value for _, value in fits)]), None)
 
 
 def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], list[Diagnostic]]:
@@ -117,24 +111,17 @@ def _untaken(rules: Sequence[Rule], options: Options) -> list[Diagnostic]:
 
 def _missing(cut: set[str], options: Options) -> list[Diagnostic]:
     """Return an error for each name for which there is no layer with something to cut."""
-    found = []
-    folded = {layer.casefold() for layer in cut}
-    for field, word in (("layer_sides", "--layer-side"), ("layer_offsets", "--layer-offset")):
-        if not options.wished(field):
-            continue
-        for name, _ in getattr(options, field):
-            pattern = name.casefold()
-            if any(pattern == n or fnmatch.fnmatchcase(n, pattern) for n in folded):
-                continue
-            there = ", ".join(sorted(cut)[:12]) or "none"
-            found.append(
-                error(
-                    "no-such-layer",
-                    f"{word} {name}: nothing to cut is on a layer of this name",
-                    hint=f"layers with something to cut: {there}",
-                )
-            )
-    return found
+    there = ", ".join(sorted(cut)[:12]) or "none"
+    return [
+        error(
+            "no-such-layer",
+            f"{word} {name}: nothing to cut is on a layer of this name",
+            hint=f"layers with something to cut: {there}",
+        )
+        for field, word in (("layer_sides", "--layer-side"), ("layer_offsets", "--layer-offset"))
+        if options.wished(field)
+        for name in Names((name for name, _ in getattr(options, field)), cut).unmatched
+    ]
 
 
 def _layer(source: Span) -> str:

@@ -8,21 +8,18 @@ out. Line types and colours are those that are seen: BYLAYER is the layer's, BYB
 from __future__ import annotations
 
 import difflib
-import fnmatch
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from wedmcam.diag import Diagnostic, FileSpan, warning
 from wedmcam.frontends.dxf.kinds import UNREADABLE
 from wedmcam.ir.colours import colour_of, of_rgb, shown
+from wedmcam.ir.names import Names
 
 #: Line types that say nothing of their own.
 PLAIN = ("", "bylayer", "byblock", "continuous")
 #: The layer of thread points: a filter that takes only something does not take them away.
 START = "start"
-#: Characters of wildcards.
-WILD = frozenset("*?[")
 #: How many names a finding tells.
 NAMED = 8
 
@@ -97,37 +94,6 @@ class LayerLooks:
 
 def _plain(linetype: str) -> str:
     return "" if linetype.lower() in PLAIN else linetype
-
-
-class Names:
-    """Names that were asked for: each is a name that there is, or else a wildcard.
-
-    Attributes:
-        unmatched: those that match nothing there is.
-    """
-
-    def __init__(self, asked: Iterable[str], there: Iterable[str]) -> None:
-        known = {name.casefold() for name in there}
-        self._literal: set[str] = set()
-        self._wild: list[str] = []
-        self.unmatched: list[str] = []
-        for name in asked:
-            word = name.casefold()
-            self._literal.add(word)
-            if word in known:
-                continue
-            if WILD & set(word):
-                self._wild.append(word)
-                if any(fnmatch.fnmatchcase(other, word) for other in known):
-                    continue
-            self.unmatched.append(name)
-
-    def __bool__(self) -> bool:
-        return bool(self._literal)
-
-    def __contains__(self, name: str) -> bool:
-        word = name.casefold()
-        return word in self._literal or any(fnmatch.fnmatchcase(word, p) for p in self._wild)
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ from wedmcam.options import READING, Options, WrongUse, check_reading, nm_of
 from wedmcam.targets import Entries, Target, target_of
 
 if TYPE_CHECKING:
-    from wedmcam.frontends.dialect import Dialect
+    from wedmcam.frontends.iso.dialect import Dialect
     from wedmcam.judge.difference import Difference
     from wedmcam.judge.verdict import Verdict
 
@@ -332,7 +332,7 @@ def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -
     Raises:
         WrongUse: no such keyword or answer.
     """
-    from wedmcam.frontends.dialect import Dialect
+    from wedmcam.frontends.iso.dialect import Dialect
 
     check_reading(said)
     units, whole = (

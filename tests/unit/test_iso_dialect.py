@@ -14,7 +14,7 @@ from wedmcam import api, conversion
 from wedmcam.api import positions
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity, has_errors
-from wedmcam.frontends.dialect import QUESTIONS, reads_as_words
+from wedmcam.frontends.iso.dialect import QUESTIONS, reads_as_words
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 from wedmcam.options import READING, WrongUse

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wedmcam.formats import b4, compact, gap, rotation
 from wedmcam.frontends.compact import addresses
-from wedmcam.frontends.offsets import tables_of
+from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
 

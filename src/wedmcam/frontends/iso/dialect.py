@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
-from wedmcam.frontends.offsets import Entry
+from wedmcam.frontends.iso.offsets import Entry
+from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import Plain, TextSpans, plain
-from wedmcam.frontends.words import Words
 from wedmcam.machines import Layout
 
 Ints = NDArray[np.int64]

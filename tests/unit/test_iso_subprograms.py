@@ -1,6 +1,7 @@
 """Subprograms of ISO programs: run where they are called, or refused with the place."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -182,6 +183,18 @@ def test_field_m98_inline_asks_who_says_nothing():
     # Where no style fits there is no picture either: the body from another place is a wrong one.
     _, found = read(INLINE.replace("P0001", "P0007"), None, shown=True)
     assert [d.code for d in found if d.severity is Severity.ERROR] == ["subprogram"]
+
+
+def test_a_profile_that_is_named_says_the_style():
+    mine = replace(builtin("iso-mm"), name="mine")
+    labels = replace(mine, iso=replace(mine.iso, subprograms="N-label"))
+    assert ends(read(INLINE, None, profile=labels)[0])[-2] == [5, 0]
+    programs = replace(mine, iso=replace(mine.iso, subprograms="O-number"))
+    said = [d.message for d in read(INLINE, None, profile=programs)[1]]
+    assert any("no line opens with O0001" in m for m in said)
+    # What is said beside the profile wins.
+    assert ends(read(INLINE, "N-label", profile=programs)[0])[-2] == [5, 0]
+    assert "runs none" in refused(INLINE, "none", profile=labels).message
 
 
 def test_none_is_refused_in_pictures_too():

@@ -43,6 +43,8 @@ class Reading:
         self.bad: Bools = np.zeros(self.lines, bool)
         #: How subprograms are run, as the user or the profile says; None where neither does.
         self.subprograms: str | None = dialect.subprograms
+        if dialect.named and dialect.subprograms is None and machine.iso.subprograms != "none":
+            self.subprograms = machine.iso.subprograms
         #: Of each line that is run its line in the text; None where that is the same.
         self.order: Ints | None = None
         #: Calls are not run: what is found on the path is another's.

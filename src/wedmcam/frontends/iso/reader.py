@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
 from wedmcam.formats import b3, iso
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs
@@ -42,8 +42,9 @@ from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
 from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
+from wedmcam.frontends.iso.subprograms import ends_of, run_subprograms
 from wedmcam.frontends.iso.table import Tables, modes_of
-from wedmcam.frontends.iso.tape import take_end, take_number
+from wedmcam.frontends.iso.tape import behind, take_end, take_number
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import TextSpans
 from wedmcam.ir.program import BLOCK, Kind, Program
@@ -101,8 +102,9 @@ def read(
     """
     r = Reading(data, machine, file, dialect or Dialect())
     take_end(r)
-    take_number(r)
     _tell_text(r)
+    run_subprograms(r)
+    take_number(r)
     take_dwells(r)
     take_tolerances(r)
     classes = take_known(r)
@@ -197,7 +199,7 @@ def read(
     reset = modal["g92"][1]
     if r.machine.iso.start == "move":
         reset = reset | _start(axes, motion, reset)
-    calls |= m & np.isin(code, iso.SUBPROGRAMS)
+    calls |= m & np.isin(code, iso.SUBPROGRAMS) & ~np.isin(code, ends_of(r.subprograms))
     rules = rules_of(r, *modal["centres"])
     calling = np.flatnonzero(calls)
     return _program(r, axes, distance, motion, inches, reset, m, calling, modes, rules)
@@ -305,10 +307,11 @@ def _program(
     # M words end at which line? What follows is not read.
     m_rows = np.flatnonzero(m)
     codes, m_lines = w.whole[m_rows], w.line[m_rows]
-    stop = m_rows[np.isin(codes, iso.ENDS)][:1]
+    ends = ends_of(r.subprograms)
+    stop = m_rows[np.isin(codes, ends)][:1]
     stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
     calls = calls[w.line[calls] <= stop_line]
-    r.questions += dialects.of_subprograms(calls, w, r.plain)
+    r.questions += dialects.of_repeats(calls, w, r.plain)
     nm = lengths_of(r, axes, inches, (moves | reset, curved), stop_line)
     distance = distance_of(r, distance, moves & (has["X"] | has["Y"]), stop_line)
     r.tell_lines(
@@ -344,6 +347,15 @@ def _program(
         ends_nm[k], starts_nm[k] = place, np.concatenate([[0], place[:-1]])
         befores[k] = before
 
+    late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
+    if len(late):
+        what = behind(len(late), f"M{codes[np.isin(codes, ends)][0]:02d}")
+        r.found.append(
+            (
+                int(w.line_start[late[0]]),
+                warning("after-end", what, r.spans.at(int(w.line_start[late[0]]))),
+            )
+        )
     rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
     runs = None
     if modes is not None:
@@ -360,7 +372,7 @@ def _program(
     unknown = np.zeros(len(w.letter), bool)
     kinds = np.full(len(m_rows), int(Kind.WORD))
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
-    kinds[np.isin(codes, iso.ENDS)] = Kind.STOP
+    kinds[np.isin(codes, ends)] = Kind.STOP
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
     plain_word &= m_lines <= stop_line
     turns = np.zeros(len(w.letter), bool)

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam import machines
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
@@ -160,6 +161,8 @@ def convert(
         senses = target_of(machine_in).senses(api.bytes_of(source, name)[0])
     data, made, apart, more = between(read, machine_in, machine, entered, senses)
     found += more
+    if data is not None and profile is None:
+        found += machines.unnamed(machine)
     return ended(data, machine=machine, made=made, difference=apart)
 
 

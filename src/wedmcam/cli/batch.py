@@ -43,11 +43,13 @@ class How:
     Attributes:
         machine: the profile; None where ``wrong``.
         options: everything else.
+        named: the profile was named, and is not just the default of the format.
         wrong: why nothing of this folder can be compiled (exit status 2).
     """
 
     machine: Machine | None = None
     options: Options | None = None
+    named: bool = True
     wrong: str = ""
 
 
@@ -157,7 +159,8 @@ def how(asked: dict[str, Any]) -> How:
     """
     from wedmcam.cli import asked as ask
 
-    return How(ask.machine_of(asked["profile"], asked["to"]), ask.options_of(asked))
+    named = bool(asked["profile"])
+    return How(ask.machine_of(asked["profile"], asked["to"]), ask.options_of(asked), named)
 
 
 def make(item: Item, force_units: bool) -> Outcome:
@@ -184,7 +187,8 @@ def make(item: Item, force_units: bool) -> Outcome:
     try:
         made = api.compile(
             data,
-            profile=machine,
+            to=machine.format,
+            profile=machine if item.how.named else None,
             name=item.source,
             output_name=item.output,
             options=replace(options, fill_in_units=not force_units),

@@ -87,7 +87,7 @@ def convert_command(
         made = conversion.convert(
             data,
             to=target or (machine.format if machine else None),
-            profile=machine,
+            profile=machine if profile else None,
             profile_in=machine_in,
             format=format_,
             name=name,

@@ -208,7 +208,12 @@ def _compiled(
     data = read_input(input_)
     with waiting(f"compiling {_name(input_)}"):
         made = api.compile(
-            data, profile=machine, name=_name(input_), output_name=output, options=options
+            data,
+            to=machine.format,
+            profile=machine if asked["profile"] else None,
+            name=_name(input_),
+            output_name=output,
+            options=options,
         )
     texts: dict[str, str | bytes] = {_name(input_): data, **options.texts}
     say.say_findings(made.findings, _name(input_), asked["quiet"], texts)

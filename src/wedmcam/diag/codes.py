@@ -851,6 +851,12 @@ CODES: dict[str, Code] = {
         "does not run subprograms yet, and in the order of the file they are another path.",
         "Write the lines of the subprogram in the place of each call.",
     ),
+    "default-profile": Code(
+        "A program was written with the default profile of its format, which was another before.",
+        "ISO programs are in mm with a point now, with G21 and G90 in them: controllers that read "
+        "them mean the same. In whole um (iso-um) one that takes numbers for mm goes metres.",
+        "Nothing is needed; name the profile (--profile, or in a wedmcam.toml) and it is not said.",
+    ),
     "feed-assumed": Code(
         "No cutting speed was given, and the controller demands F in a program.",
         "The F of the profile is written; it may be too fast for the plate.",

@@ -171,11 +171,13 @@ def formats_of(to: str) -> list[str]:
 def names_of(output: str, formats: Sequence[str]) -> list[str]:
     """Return the name of each program: ``output`` with the ending of its format.
 
-    An ending of a program format that is there already is replaced.
+    An ending of a program format that is there already stays for its own, and is replaced for
+    others.
 
-    >>> names_of("plate", ["3b", "compact"]), names_of("out/plate.3b", ["3b", "compact"])
-    (['plate.3b', 'plate.zd'], ['out/plate.3b', 'out/plate.zd'])
+    >>> names_of("plate", ["3b", "compact"]), names_of("out/plate.ngc", ["3b", "iso"])
+    (['plate.3b', 'plate.zd'], ['out/plate.3b', 'out/plate.ngc'])
     """
     suffix = Path(output).suffix
-    stem = output[: -len(suffix)] if suffix.lower() in FORMAT_OF_SUFFIX else output
-    return [stem + SUFFIX_OF_FORMAT[format_] for format_ in formats]
+    own = FORMAT_OF_SUFFIX.get(suffix.lower())
+    stem = output if own is None else output[: -len(suffix)]
+    return [stem + (suffix if format_ == own else SUFFIX_OF_FORMAT[format_]) for format_ in formats]

@@ -12,6 +12,7 @@ from wedmcam import api, conversion, machines
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.judge.difference import difference
+from wedmcam.options import WrongUse
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 NAMES = sorted(p.name for p in SAMPLES.iterdir() if p.suffix in (".dxf", ".wed"))
@@ -138,3 +139,43 @@ def test_what_is_assumed_of_a_program_that_is_shown_stays():
         "assumed: incremental (G91)",
         "assumed: whole numbers are um",
     ]
+
+
+@pytest.mark.parametrize("ending", ["nc", "ngc", "gcode", "iso", "eia", "NC", "Ngc", "EIA"])
+def test_endings_of_g_code_are_known_everywhere(here, ending):
+    name = f"a.{ending}"
+    assert run("compile", PUNCH, "-o", name, "--offset", "0.1")[0] == 0
+    assert Path(name).read_text().startswith("G21\n")
+    for line in (
+        ("verify", name),
+        ("dump", name),
+        ("plot", name, "-o", "a.svg"),
+        ("explain", name, "--block", "2"),
+        ("convert", name, "-o", "a.3b"),
+        ("convert", "a.3b", "-o", f"b.{ending}"),
+        ("compile", PUNCH, "-o", f"c.{ending}", "--offset", "0.1", "--to", "3b,iso"),
+    ):
+        status, _, err = run(*line)
+        assert status == 0, err
+    assert Path(f"b.{ending}").read_text().startswith("G21\n")
+    assert Path(f"c.{ending}").read_bytes() == Path(name).read_bytes()
+    assert Path("c.3b").exists()
+    # A shop's profile of ISO is for all of them, and is no profile of 3B.
+    Path("wedmcam.toml").write_text('profile = "linuxcnc"\n')
+    Path("part.dxf").write_bytes(Path(PUNCH).read_bytes())
+    line = ("compile", "part.dxf", "--offset", "0.1", "--feed", "2")
+    assert run(*line, "-o", f"d.{ending}")[0] == 0
+    assert "G91.1" in Path(f"d.{ending}").read_text()
+    assert run(*line, "-o", "d.3b")[0] == 0
+    with pytest.raises(WrongUse, match="is a program"):
+        raise CliRunner().invoke(cli, ["check", name], standalone_mode=False).exception
+
+
+def test_the_ending_that_is_written_by_itself_is_nc(here):
+    Path("a.dxf").write_bytes(Path(PUNCH).read_bytes())
+    assert run("batch", "a.dxf", "-o", "out", "--to", "iso", "--offset", "0.1")[0] == 0
+    assert [p.name for p in Path("out").iterdir()] == ["a.nc"]
+    assert run("compile", "a.dxf", "-o", "b", "--to", "3b,iso", "--offset", "0.1")[0] == 0
+    assert Path("b.nc").exists()
+    status, _, err = run("compile", "a.dxf", "-o", "b.ngc", "--to", "3b", "--offset", "0.1")
+    assert (status, "says iso, but 3b is written" in err) == (0, True)

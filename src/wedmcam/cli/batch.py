@@ -166,7 +166,7 @@ def how(asked: dict[str, Any]) -> How:
 def make(item: Item, force_units: bool) -> Outcome:
     """Compile one drawing and write its program; never raises for what is in the drawing."""
     from wedmcam import api
-    from wedmcam.cli.say import coloured
+    from wedmcam.cli.say import coloured, with_time
     from wedmcam.diag import Severity
     from wedmcam.diag.render import merged, render
 
@@ -203,7 +203,7 @@ def make(item: Item, force_units: bool) -> Outcome:
             Path(item.output).parent.mkdir(parents=True, exist_ok=True)
             write_outputs([(item.output, made.data)])
             text = "\n".join(filter(None, (text, _line(item, made))))
-        record = _record(item, made.status, made.summary)
+        record = _record(item, made.status, with_time(made.summary, options.feed_um))
         return Outcome(item, made.status, text, record, warnings)
     except WrongUse as why:
         text = visible(f"{item.source}: error: {why}")

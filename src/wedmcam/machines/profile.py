@@ -97,6 +97,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "arc_um": _whole(1000, 99_999_999, True),
         "memory_bytes": _whole(18, _UM, formats=_BINARY),
         "blocks": _whole(1, _UM, formats=_READABLE),
+        "line_chars": _whole(20, 10_000, formats=_ISO),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
     },
     "axes": {
@@ -140,6 +141,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "d": _whole(0, 999, formats=_ISO),
         "start": _choice("g92", "move", formats=_ISO),
         "feed_um": _whole(1, _UM, formats=_ISO),
+        "feed_least_um": _whole(1, _UM, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },
 }

@@ -18,7 +18,7 @@ from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, iso
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
-from wedmcam.machines import Iso, Machine
+from wedmcam.machines import Iso, Machine, around
 
 #: How F is said.
 _FEED = "--feed, a length a minute; or feed_um in a profile of your own"
@@ -146,8 +146,12 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
     text = "".join(row + layout.eol for row in rows)
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
-    lines = [*layout.header, *rows, *layout.footer]
-    return data + frame[1].encode(layout.encoding), _long_lines(lines, machine)
+    found = _long_lines([*layout.header, *rows, *layout.footer], machine)
+    if idle := around.behind_end(layout.footer):
+        what = f"{', '.join(dict.fromkeys(idle))} of the footer: behind the end (M02), not run"
+        hint = "leave it out of 'footer', or put it into 'header'"
+        found.append(replace(warning("after-end", what, hint=hint), count=len(idle)))
+    return data + frame[1].encode(layout.encoding), found
 
 
 def _long_lines(lines: list[str], machine: Machine) -> list[Diagnostic]:

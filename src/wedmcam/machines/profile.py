@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.diag.toml import read_toml
+from wedmcam.machines import around
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
@@ -284,6 +285,10 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         found.append(error("profile-value", what, place))
     if known_format in _ISO:
         found += _of_iso(tables["iso"], text, name)
+        lines = (tables["layout"].get(key, []) for key in ("header", "footer"))
+        for key, why in around.faults(*lines):
+            what = f"'layout.{key}': {why}"
+            found.append(error("profile-value", what, _place(text, name, "layout", key)))
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):

@@ -37,6 +37,7 @@ READING: dict[str, tuple[str, ...]] = {
     "coordinates_in": ("absolute", "incremental"),
     "centres_in": ("start", "absolute"),
     "semicolon_in": ("block", "comment"),
+    "subprograms_in": ("N-label", "O-number", "none"),
 }
 #: Sides that need an offset.
 SIDED = (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT)
@@ -153,6 +154,7 @@ class Options:
         centres_in: "start" (I and J lead from the start to the centre) or "absolute" (they are its
             place).
         semicolon_in: what stands behind a semicolon, a "block" or a "comment".
+        subprograms_in: what M98 runs: from an "N-label" to M99, an "O-number", or "none".
         wishes: names of the fields that were asked for with this source in mind (typed; wire_um
             and gap_um beside offset_um where they state it), in contrast to the defaults of a
             shop; None where whatever is not the usual counts as a wish. They change no program: a
@@ -203,6 +205,7 @@ class Options:
     coordinates_in: str | None = None
     centres_in: str | None = None
     semicolon_in: str | None = None
+    subprograms_in: str | None = None
     wishes: frozenset[str] | None = None
 
     def __post_init__(self) -> None:

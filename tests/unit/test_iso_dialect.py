@@ -222,7 +222,7 @@ def test_library_functions_refuse_too():
         # Subprograms by other words.
         ("G21 G91 G01 X5.0\nM99\n", ["subprogram"]),
         ("G21 G91 G01 X5.0\nM97 P100\nM02\n", ["subprogram"]),
-        ("G21 G91 G01 X5.0\nm98p1l3\nM02\n", ["subprogram"]),
+        ("G21 G91 G01 X5.0\nm98p1l3\nM02\nn1 x1.\nm99", ["subprogram"]),
         ("G21 G91 G01 X5.0\nL2\nM02\n", ["subprogram"]),
         ("G21 G91 G01 X5.0 L5\nM02\n", ["subprogram"]),
         ("G21 G91 G01 X5.0\nG65 P9010\nM02\n", ["subprogram", "iso-code"]),

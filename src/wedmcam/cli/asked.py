@@ -231,6 +231,10 @@ def _reading(suffix: str = "", of: str = "Of an ISO program: ") -> list[Callable
             {"type": click.Choice(["block", "comment"])},
             "what stands behind a semicolon.",
         ),
+        "subprograms-in": (
+            {"type": click.Choice(["N-label", "O-number", "none"], case_sensitive=False)},
+            "M98 P0001 runs from the line N0001, or O0001, to M99.",
+        ),
     }
     return [
         click.option(f"--{name}{suffix}", help=of + means, **taken)

@@ -46,6 +46,7 @@ class Dialect:
         centres: "start": I and J lead from the start of an arc to its centre; "absolute": under
             G90 they are the place of the centre.
         semicolon: "comment" or "block": what stands behind ``;``.
+        subprograms: "N-label", "O-number" or "none": which lines M98 runs.
         named: the profile is one that was named. It says what it has keys for.
         shown: the program is only shown: what is assumed is a warning, and no error.
     """
@@ -55,6 +56,7 @@ class Dialect:
     whole_nm: int | None = None
     centres: str | None = None
     semicolon: str | None = None
+    subprograms: str | None = None
     named: bool = True
     shown: bool = False
 
@@ -110,7 +112,7 @@ def of_coordinates(lines: Ints, w: Words, text: Plain, incremental: bool) -> lis
             "or a way (incremental, G91)?",
             "incremental (G91)" if incremental else "absolute (G90)",
             f"--coordinates-in absolute, or --coordinates-in incremental; or {_NAME_IT}",
-            len(lines),
+            len(np.unique(w.line_start[lines])),
         )
     ]
 
@@ -159,7 +161,8 @@ def _of_words(
         return []
     at, end = int(w.start[words[0]]), int(w.end[words[0]])
     said = f"{text.excerpt(at, end)}: {what}"
-    return [Question(code, at, max(end - at, 1), said, assumed, hint, len(words))]
+    places = len(np.unique(w.start[words]))
+    return [Question(code, at, max(end - at, 1), said, assumed, hint, places)]
 
 
 def of_table(entries: list[Entry], said: Dialect, text: Plain, stated: bool) -> list[Question]:
@@ -267,14 +270,57 @@ def of_semicolons(w: Words, text: Plain, layout: Layout | None) -> list[Question
     ]
 
 
-def of_subprograms(words: Ints, w: Words, text: Plain) -> list[Question]:
-    """Return the finding of the words that call a subprogram."""
+#: What runs subprograms, and how.
+_STYLES = {
+    "N-label": "M98 P0001 runs from the line N0001 to M99",
+    "O-number": "M98 P0001 runs O0001 to M99",
+}
+
+
+def of_subprograms(
+    words: Ints, w: Words, text: Plain, fits: list[str], refused: bool
+) -> list[Question]:
+    """Return the question of the words M98: which lines do they run?
+
+    Args:
+        words: the M98. w, text: of the file.
+        fits: styles in which every call of the file finds its subprogram.
+        refused: the user says that none is run.
+    """
+    if refused:
+        what = "calls a subprogram, and --subprograms-in none runs none"
+        hint = "write the blocks of the subprogram in the place of its call, as the machine does"
+        return _of_words("subprogram", words, w, text, what, "", hint)
+    fit = fits[0] if len(fits) == 1 else None
+    what = "calls a subprogram: is P the number of a line (N), or of a program (O)?"
+    if fit is not None:
+        what += f" In this file every call finds its {fit}"
+    answers = ", or ".join(f"--subprograms-in {name} ({how})" for name, how in _STYLES.items())
+    assumed = f"{fit}, {_STYLES[fit]}" if fit is not None else ""
+    return _of_words("subprogram", words, w, text, what, assumed, f"{answers}; or {_NAME_IT}")
+
+
+def of_returns(words: Ints, w: Words, text: Plain) -> list[Question]:
+    """Return the question of M99 in a program that calls nothing."""
     return _of_words(
         "subprogram",
         words,
         w,
         text,
-        "calls, repeats or ends a subprogram; subprograms are not run yet",
+        "in a program that calls nothing: a subprogram alone, or a program without end",
+        "the lines are run once",
+        "M02 at the end of the program; or this file and the one that calls it as one file",
+    )
+
+
+def of_repeats(words: Ints, w: Words, text: Plain) -> list[Question]:
+    """Return the finding of other words that call, repeat or end a subprogram."""
+    return _of_words(
+        "subprogram",
+        words,
+        w,
+        text,
+        "calls, repeats or ends a subprogram, and is not run",
         "the lines are run as they stand, once",
         "write the blocks of the subprogram in the place of its call, as the machine runs them",
     )

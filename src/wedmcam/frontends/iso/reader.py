@@ -32,6 +32,7 @@ from wedmcam.frontends.iso.dialect import UNSAID, Dialect
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
 from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
+from wedmcam.frontends.iso.subprograms import ends_of, run_subprograms
 from wedmcam.frontends.iso.table import Tables, modes_of
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import TextSpans
@@ -87,6 +88,7 @@ def read(
     """
     r = Reading(data, machine, file, dialect or Dialect())
     _tell_text(r)
+    run_subprograms(r)
     take_dwells(r)
     w = r.words
     g, m = w.letter == ord("G"), w.letter == ord("M")
@@ -165,7 +167,7 @@ def read(
     reset = modal["g92"][1]
     if r.machine.iso.start == "move":
         reset = reset | _start(axes, motion, reset)
-    calls |= m & np.isin(code, iso.SUBPROGRAMS)
+    calls |= m & np.isin(code, iso.SUBPROGRAMS) & ~np.isin(code, ends_of(r.subprograms))
     return _program(r, axes, distance, motion, inches, reset, m, np.flatnonzero(calls), modes)
 
 
@@ -248,10 +250,11 @@ def _program(
     # M words end at which line? What follows is not read.
     m_rows = np.flatnonzero(m)
     codes, m_lines = w.whole[m_rows], w.line[m_rows]
-    stop = m_rows[np.isin(codes, iso.ENDS)][:1]
+    ends = ends_of(r.subprograms)
+    stop = m_rows[np.isin(codes, ends)][:1]
     stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
     calls = calls[w.line[calls] <= stop_line]
-    r.questions += dialects.of_subprograms(calls, w, r.plain)
+    r.questions += dialects.of_repeats(calls, w, r.plain)
     nm = lengths_of(r, axes, inches, (moves | reset, curved), stop_line)
     distance = distance_of(r, distance, moves & (has["X"] | has["Y"]), stop_line)
     r.tell_lines(
@@ -282,7 +285,9 @@ def _program(
 
     late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
     if len(late):
-        what = f"{len(late)} blocks behind the end (M02) are not run"
+        what = (
+            f"{len(late)} blocks behind the end (M{codes[np.isin(codes, ends)][0]:02d}) are not run"
+        )
         r.found.append(
             (
                 int(w.line_start[late[0]]),
@@ -303,7 +308,7 @@ def _program(
     unknown = np.zeros(len(w.letter), bool)
     kinds = np.full(len(m_rows), int(Kind.WORD))
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
-    kinds[np.isin(codes, iso.ENDS)] = Kind.STOP
+    kinds[np.isin(codes, ends)] = Kind.STOP
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
     plain_word &= m_lines <= stop_line
     turns = np.zeros(len(w.letter), bool)

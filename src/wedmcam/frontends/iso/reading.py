@@ -41,6 +41,29 @@ class Reading:
         self.found: list[tuple[int, Diagnostic]] = []
         self.questions: list[Question] = []
         self.bad: Bools = np.zeros(self.lines, bool)
+        #: How subprograms are run, as the user or the profile says; None where neither does.
+        self.subprograms: str | None = dialect.subprograms
+        #: Of each line that is run its line in the text; None where that is the same.
+        self.order: Ints | None = None
+        #: Calls are not run: what is found on the path is another's.
+        self.unrun = False
+        self._ends = self.words.line_end
+
+    def run_in(self, order: Ints) -> None:
+        """Put lines of the text in the order in which they are run: often, once, or not at all."""
+        self.order = order
+        self.words = self.words.in_order(order)
+        self.bad = self.bad[order]
+        self.lines = len(order)
+        size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
+        self.spans = TextSpans(self.file, self.plain.codes, self.words.line_start, size)
+
+    def line_of(self, at: int) -> int:
+        """Return the first line that is run of which a character is; the last for one of none."""
+        line = int(np.searchsorted(self._ends, at))
+        if self.order is None:
+            return line
+        return int(np.append(np.flatnonzero(self.order == line), self.lines - 1)[0])
 
     def tell_words(
         self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None
@@ -51,6 +74,10 @@ class Reading:
         """
         w = self.words
         where = np.flatnonzero(mask)
+        if severity is Severity.ERROR:
+            self.bad[w.line[where]] = True
+        if self.order is not None:  # once for each place in the text
+            where = where[np.unique(w.start[where], return_index=True)[1]]
         if severity is not Severity.ERROR:
             if len(where):
                 at, end = int(w.start[where[0]]), int(w.end[where[0]])
@@ -70,7 +97,6 @@ class Reading:
             hint,
         ):
             self.found.append((int(w.start[i]), d))
-        self.bad[w.line[where]] = True
 
     def _named(self, where: Ints) -> str:
         """Return the different ones of some words, in their order, each with its count."""
@@ -97,12 +123,15 @@ class Reading:
         hint: str | None = None,
     ) -> None:
         """Report lines, by index into ``where``; of warnings the first, with how many there are."""
-        quiet = severity is not Severity.ERROR and len(where) > 1
-        many = f" ({len(where)} lines)" if quiet else ""
+        places = np.arange(len(where))
+        if self.order is not None:  # once for each line of the text
+            places = np.unique(self.order[where], return_index=True)[1]
+        quiet = severity is not Severity.ERROR and len(places) > 1
+        many = f" ({len(places)} lines)" if quiet else ""
         for i, d in listed(
             severity,
             code,
-            np.arange(len(where)),
+            places,
             lambda i: self.spans[int(where[i])],
             lambda i: message(i) + many,
             hint,
@@ -117,7 +146,7 @@ class Reading:
         shown = self.dialect.shown
         asked = [q.finding(self.spans, shown) for q in questions]
         found = in_order(self.found)
-        if asked and not shown:  # what depends on the answers is said with them
+        if (asked and not shown) or self.unrun:  # what depends on the answers is said with them
             found = [d for d in found if d.code not in _DEPEND]
         return [*asked, *found]
 

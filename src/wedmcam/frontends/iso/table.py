@@ -63,7 +63,8 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         return None
     d = filled(value, has, -1)
     used: list[int] = np.unique(d[r.words.line[offsets]]).tolist()
-    filed = _filed(r, tables.inches, int(r.words.start[np.argmax(offsets)]))
+    first = int(np.argmax(offsets))
+    filed = _filed(r, tables.inches, (int(r.words.line[first]), int(r.words.start[first])))
     if filed is None:
         return None
     table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
@@ -97,16 +98,16 @@ def _tell_tables(r: Reading, used: bool) -> None:
         r.found.append((one.at, note("iso-offsets", what, place, count=size)))
 
 
-def _filed(r: Reading, inches: Ints, first_use: int) -> dict[int, float] | None:
+def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, float] | None:
     """Return the offsets of the file's own table, number to um; None where it cannot be read.
 
-    ``first_use``: where in the text the first G41 or G42 stands.
+    ``first_use``: the line that runs the first G41 or G42, and where in the text that stands.
     """
     stated = np.unique(inches[inches != UNSAID])
     nm: dict[int, Decimal] = {}
     wrong = False
     for entry in r.entries:
-        line = int(np.searchsorted(r.words.line_end, entry.at))
+        line = r.line_of(entry.at)
         inch = int(inches[line]) if len(stated) != 1 else int(stated[0])
         point, digit = _entry_units(r, inch)
         value = entry.pointed * point + entry.whole * (digit or 0)
@@ -115,7 +116,7 @@ def _filed(r: Reading, inches: Ints, first_use: int) -> dict[int, float] | None:
         problem = None
         if unset:
             problem = f"H{unset[0]} is set nowhere before it"
-        elif entry.at > first_use:
+        elif (line, entry.at) > first_use:
             problem = "it is set behind the first G41 or G42: what was in force there is not known"
         elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
             problem = "the file has inches and mm, and neither is in force here"

@@ -19,6 +19,8 @@ _COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
 _BRACKETS = re.compile(rb"\([^)\n]*\)?")
 #: Letters of coordinates.
 _PLACES = np.frombuffer(b"XYIJRUVZ", dtype=np.uint8)
+#: What `Words` holds of each word.
+_COLUMNS = ("letter", "start", "end", "line", "whole", "decimals", "pointed", "good")
 #: Digits of a number that are read; more do not fit 64 bits.
 DIGITS = 12
 
@@ -82,8 +84,20 @@ class Words:
 
     def without_words(self, gone: Bools) -> Words:
         """Return all words but some."""
-        columns = ("letter", "start", "end", "line", "whole", "decimals", "pointed", "good")
-        return replace(self, **{name: getattr(self, name)[~gone] for name in columns})
+        return replace(self, **{name: getattr(self, name)[~gone] for name in _COLUMNS})
+
+    def in_order(self, lines: Ints) -> Words:
+        """Return the words of some lines, in that order; a line may be there often, or not at all.
+
+        What belongs to no word (``stray``, ``comments``, ``skipped``) is that of the text still.
+        """
+        low = np.searchsorted(self.line, np.arange(len(self.line_start)))
+        many = np.diff(np.append(low, len(self.line)))[lines]
+        line = np.repeat(np.arange(len(lines)), many)
+        rows = np.arange(len(line)) + np.repeat(low[lines] - (np.cumsum(many) - many), many)
+        columns = {name: getattr(self, name)[rows] for name in _COLUMNS if name != "line"}
+        start, end = self.line_start[lines], self.line_end[lines]
+        return replace(self, line=line, line_start=start, line_end=end, **columns)
 
 
 def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:

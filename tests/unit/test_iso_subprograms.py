@@ -58,7 +58,7 @@ def written_out(text, style):
     def run(at, out):
         while True:
             words = lines[at].split()
-            if words and words[0][0] == letter and words[0][1:].isdigit():
+            if at and words and words[0][0] == letter and words[0][1:].isdigit():
                 words = words[1:]
             plain = [x for x in words if x not in ("M98", "M99") and x[0] not in "PL"]
             if plain:

@@ -132,7 +132,9 @@ def order_of(r: Reading) -> Ints | None:
     if said in STYLES:
         plan = _plan_of(r, code, str(said))
     else:
-        fits = [p for p in (_plan_of(r, code, style) for style in STYLES) if not p.wrong]
+        plans = [_plan_of(r, code, style) for style in STYLES]
+        # M199 may end the main program before the first call: then the style runs none.
+        fits = [p for p in plans if p.live.any() and not p.wrong]
         names = [p.style for p in fits]
         asked = dialects.of_subprograms(calls, w, r.plain, names, said == "none")
         runs = len(fits) == 1 and said != "none"
@@ -218,7 +220,7 @@ def _plan_of(r: Reading, code: Ints, style: str) -> Plan:
         plan.refuse(call[at], _at(what, at), hint)
     _check_lines(r, plan, code, backs)
     _check_bodies(r, plan, code)
-    if not plan.wrong:
+    if plan.live.any() and not plan.wrong:
         _count(r, plan)
     return plan
 

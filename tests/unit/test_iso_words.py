@@ -11,7 +11,6 @@ from wedmcam.diag import Severity
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
-from wedmcam.machines.printed import as_toml as machines_as_toml
 from wedmcam.machines.vocabulary import IDLE, LEADING
 
 BASE = (
@@ -420,29 +419,3 @@ def test_short_files_are_identified():
     for text in ("PLATE\nTHE END\nG01 X5.0\n", "HELLO X5\nG01\nWORLD\n", "A\nB\nC\n"):
         seen = identify(text.encode())
         assert seen is None or seen.format != "iso", text
-
-
-# --- what a dialect leaves out --------------------------------------------------------------------
-
-FULL = "G21 G9{0}\nG92 X0.0 Y0.0\nG01 X15.0 Y10.0\nG03 X{1} I-5.0 J0.0\nM02\n"
-
-
-def test_what_a_dialect_does_not_say_is_asked():
-    machine, _ = machines.parse(BASE[: BASE.index("[iso]")] + "[iso]\n" + WORDS, "shop")
-    assert machine.iso.unsaid == {"coordinates", "integers", "points", "ij"}
-    again, found = machines.parse(machines_as_toml(machine), "shop")
-    assert (again, found) == (machine, [])
-    text = "G01 X5 Y0.0\nY1.5\nM02\n"
-    assert sorted(wrong(text, profile=machine)) == ["iso-coordinates", "iso-units", "iso-units"]
-    said = {"coordinates_in": "absolute", "units_in": "mm", "whole_in": "mm"}
-    assert wrong(text, profile=machine, **said) == []
-    # A circle alone proves nothing, in G91 neither: to-start is the mirrored one.
-    for full in (FULL.format(0, "15.0 Y10.0"), FULL.format(1, "0.0 Y0.0")):
-        assert wrong(full, profile=machine) == ["iso-centres"]
-        assert wrong(full, profile=machine, centres_in="start") == []
-        half = full.replace("M02", "G02 I1.0 J0.0 " + ("X17.0 Y10.0" if "G90" in full else "X2.0"))
-        assert wrong(half + "M02\n", profile=machine) == []
-    # What it says, and a profile without words, is taken.
-    keys = 'points = "mm"\nij = "start"\n'
-    assert wrong(FULL.format(1, "0.0 Y0.0"), profile=profile(keys=keys)) == []
-    assert wrong(FULL.format(1, "0.0 Y0.0"), profile=profile("")) == []

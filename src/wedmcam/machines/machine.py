@@ -84,10 +84,6 @@ class Layout:
     encoding: str = "ascii"
 
 
-#: Keys of `Iso` on which depends where a program leads.
-ASKED = frozenset({"coordinates", "integers", "points", "ij"})
-
-
 @dataclass(frozen=True, slots=True)
 class Iso:
     """How ISO records are written, and what whole numbers mean where they are read.
@@ -130,9 +126,6 @@ class Iso:
         feed_um: F that is written where no ``--feed`` is given, um a minute; not set: no F at all.
             With it F is a word that is known where a program is read.
         words: see `Vocabulary`.
-        unsaid: keys of `ASKED` that a profile with words leaves out: it speaks of a machine of
-            others, so what it does not say is asked where a program is read. A profile without
-            words is one of programs that are written here.
     """
 
     coordinates: str = "incremental"
@@ -156,7 +149,6 @@ class Iso:
     start: str = "g92"
     feed_um: int = 0
     words: Vocabulary = field(default_factory=Vocabulary)
-    unsaid: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

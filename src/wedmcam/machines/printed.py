@@ -89,9 +89,7 @@ def entries(machine: Machine | None = None, format_: str | None = None) -> Itera
         for key, rule in rules.items():
             if wanted is not None and wanted not in rule.formats:
                 continue
-            unsaid = section == "iso" and machine is not None and key in machine.iso.unsaid
-            held = None if holder is None or unsaid else getattr(holder, key)
-            value = None if held is None else _toml_value(key, held)
+            value = None if holder is None else _toml_value(key, getattr(holder, key))
             if value is not None and not (type(value) is rule.of and rule.good(value)):
                 value = None  # 0 for no limit: a profile says that by leaving the key out
             yield Entry(

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.diag.toml import read_toml
-from wedmcam.machines.machine import ASKED, Axes, Iso, Layout, Limits, Machine, Words
+from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.vocabulary import CLASSES, Vocabulary, wrong_words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
@@ -369,11 +369,7 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
             limits=Limits(**limits),
             words=words,
             layout=Layout(**layout),
-            iso=Iso(
-                **tables["iso"],
-                words=vocabulary,
-                unsaid=ASKED - set(tables["iso"]) if vocabulary else frozenset(),
-            ),
+            iso=Iso(**tables["iso"], words=vocabulary),
             axes=Axes(**tables["axes"]),
         ),
         [],

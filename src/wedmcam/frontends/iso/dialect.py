@@ -60,29 +60,17 @@ class Dialect:
     named: bool = True
     shown: bool = False
 
+    def is_open(self, said: str | int | None) -> bool:
+        """Return whether neither an option nor a profile says something."""
+        return said is None and not self.named
+
 
 def completed(said: Dialect, profile: Iso) -> Dialect:
     """Return a dialect with what its profile says of centres and semicolons, if it was named."""
     if not said.named:
         return said
     semicolon = said.semicolon or profile.semicolon or None
-    centres = said.centres or (None if "ij" in profile.unsaid else profile.ij)
-    return replace(said, centres=centres, semicolon=semicolon)
-
-
-def open_of(said: Dialect, profile: Iso) -> frozenset[str]:
-    """Return the keys of a profile that neither an option nor the profile says.
-
-    Without a name a profile says nothing.
-    """
-    options = {
-        "coordinates": said.coordinates,
-        "integers": said.whole_nm,
-        "points": said.units_nm,
-        "ij": said.centres,
-    }
-    unsaid = profile.unsaid if said.named else options
-    return frozenset(key for key, value in options.items() if value is None and key in unsaid)
+    return replace(said, centres=said.centres or profile.ij, semicolon=semicolon)
 
 
 # --- questions ------------------------------------------------------------------------------------
@@ -185,27 +173,19 @@ def _of_words(
     return [Question(code, at, max(end - at, 1), said, assumed, hint, places)]
 
 
-def of_table(
-    entries: list[Entry], asked_of: frozenset[str], text: Plain, stated: bool
-) -> list[Question]:
-    """Return the questions of units of a table of offsets.
-
-    Args:
-        entries: of the table.
-        asked_of: keys that nothing says, see `open_of`.
-        text: of the file. stated: it says mm or inch.
-    """
+def of_table(entries: list[Entry], said: Dialect, text: Plain, stated: bool) -> list[Question]:
+    """Return the questions of units of a table of offsets; ``stated``: the file says mm or inch."""
     asked = []
     for is_open, of, what, assumed, hint in (
         (
-            "points" in asked_of and not stated,
+            said.is_open(said.units_nm) and not stated,
             [e for e in entries if e.pointed],
             "an offset with a point, and no G20 or G21 in the file: mm or inch?",
             "mm",
             "--units-in mm, or --units-in inch",
         ),
         (
-            "integers" in asked_of,
+            said.is_open(said.whole_nm),
             [e for e in entries if e.whole],
             "an offset without a point: what is its last digit?",
             "as the whole numbers of the default profile",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats.listing import in_order, listed
-from wedmcam.frontends.iso.dialect import Dialect, Question, completed, open_of
+from wedmcam.frontends.iso.dialect import Dialect, Question, completed
 from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.words import Words, with_numbers, words_of
 from wedmcam.frontends.plain import Plain, TextSpans, plain
@@ -27,15 +27,13 @@ _DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 class Reading:
     """Findings of one text, and its lines as columns.
 
-    ``said`` is what was said beside the text, ``dialect`` that and what its profile says, and
-    ``unsaid`` what neither does: keys of a profile.
+    ``said`` is what was said beside the text, ``dialect`` that and what its profile says.
     """
 
     def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
         self.machine, self.file = machine, file
         self.said, self.dialect = dialect, completed(dialect, machine.iso)
-        self.unsaid = open_of(dialect, machine.iso)
         codes, self.entries, self.conditions = tables_of(with_numbers(self.plain.codes))
         self.words: Words = words_of(codes, self.dialect.semicolon == "block")
         self.lines = len(self.words.line_start)

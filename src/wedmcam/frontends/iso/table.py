@@ -131,7 +131,7 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
             hint = "put the table right, in front of the first G41 or G42"
             r.found.append((entry.at, error("iso-d", text, place, hint=hint)))
             wrong = True
-    r.questions += dialects.of_table(r.entries, r.unsaid, r.plain, bool(len(stated)))
+    r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
     return None if wrong else {n: float(v / 1000) for n, v in nm.items()}
 
 

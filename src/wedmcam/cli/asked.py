@@ -224,8 +224,8 @@ def _reading(suffix: str = "", of: str = "Of an ISO program: ") -> list[Callable
             "what holds before the first G90 or G91.",
         ),
         "centres-in": (
-            {"type": click.Choice(["start", "absolute"])},
-            "I and J lead from the start to the centre, or are its place.",
+            {"type": click.Choice(["start", "absolute", "to-start"])},
+            "I and J lead from the start to the centre, are its place, or lead to the start.",
         ),
         "semicolon-in": (
             {"type": click.Choice(["block", "comment"])},

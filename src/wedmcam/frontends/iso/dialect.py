@@ -9,7 +9,7 @@ or proves is refused with the question, what only shows goes on and says first w
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from wedmcam.diag import Diagnostic, Severity
 from wedmcam.frontends.iso.offsets import Entry
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import Plain, TextSpans, plain
-from wedmcam.machines import Layout
+from wedmcam.machines import Iso, Layout
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -44,7 +44,7 @@ class Dialect:
         units_nm: what 1 is in a number with a point before the first G20 or G21, nm.
         whole_nm: what 1 is in a number without a point, nm.
         centres: "start": I and J lead from the start of an arc to its centre; "absolute": under
-            G90 they are the place of the centre.
+            G90 they are the place of the centre; "to-start": from the centre to the start.
         semicolon: "comment" or "block": what stands behind ``;``.
         subprograms: "N-label", "O-number" or "none": which lines M98 runs.
         named: the profile is one that was named. It says what it has keys for.
@@ -63,6 +63,14 @@ class Dialect:
     def is_open(self, said: str | int | None) -> bool:
         """Return whether neither an option nor a profile says something."""
         return said is None and not self.named
+
+
+def completed(said: Dialect, profile: Iso) -> Dialect:
+    """Return a dialect with what its profile says of centres and semicolons, if it was named."""
+    if not said.named:
+        return said
+    semicolon = said.semicolon or profile.semicolon or None
+    return replace(said, centres=said.centres or profile.ij, semicolon=semicolon)
 
 
 # --- questions ------------------------------------------------------------------------------------
@@ -203,7 +211,7 @@ def of_centres(line: int, count: int, w: Words, text: Plain) -> list[Question]:
             f"{text.excerpt(at, end)}: I and J may lead from the start to the centre, or be the "
             "place of the centre: no arc of this file proves either (full circles do not)",
             "I and J lead from the start to the centre",
-            f"--centres-in start, or --centres-in absolute; or {_NAME_IT}",
+            f"--centres-in start, absolute or to-start; or {_NAME_IT}",
             count,
         )
     ]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats.listing import in_order, listed
-from wedmcam.frontends.iso.dialect import Dialect, Question
+from wedmcam.frontends.iso.dialect import Dialect, Question, completed
 from wedmcam.frontends.iso.offsets import tables_of
-from wedmcam.frontends.iso.words import Words, words_of
+from wedmcam.frontends.iso.words import Words, with_numbers, words_of
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.machines import Machine
 
@@ -25,13 +25,17 @@ _DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 
 
 class Reading:
-    """Findings of one text, and its lines as columns."""
+    """Findings of one text, and its lines as columns.
+
+    ``said`` is what was said beside the text, ``dialect`` that and what its profile says.
+    """
 
     def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
-        self.machine, self.file, self.dialect = machine, file, dialect
-        codes, self.entries, self.conditions = tables_of(self.plain.codes)
-        self.words: Words = words_of(codes, dialect.semicolon == "block")
+        self.machine, self.file = machine, file
+        self.said, self.dialect = dialect, completed(dialect, machine.iso)
+        codes, self.entries, self.conditions = tables_of(with_numbers(self.plain.codes))
+        self.words: Words = words_of(codes, self.dialect.semicolon == "block")
         self.lines = len(self.words.line_start)
         self.titles = self.words.titles()
         if len(self.titles):
@@ -81,7 +85,7 @@ class Reading:
         if severity is not Severity.ERROR:
             if len(where):
                 at, end = int(w.start[where[0]]), int(w.end[where[0]])
-                what = f"{self._named(where)}: {why}"
+                what = f"{self.named(where)}: {why}"
                 place = self.spans.at(at, end - at)
                 count = len(where)
                 self.found.append(
@@ -98,7 +102,7 @@ class Reading:
         ):
             self.found.append((int(w.start[i]), d))
 
-    def _named(self, where: Ints) -> str:
+    def named(self, where: Ints) -> str:
         """Return the different ones of some words, in their order, each with its count."""
         w = self.words
         # Letter, digits and decimals as one number: 12 digits leave room for both.

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Severity, error, note, warning
-from wedmcam.formats import iso
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.dialect import UNSAID
-from wedmcam.frontends.iso.lengths import MOST_NM
+from wedmcam.frontends.iso.lengths import MOST_NM, digit_nm, point_nm
 from wedmcam.frontends.iso.modes import Modes, Table
 from wedmcam.frontends.iso.reading import Reading, column, filled
 
@@ -109,7 +108,7 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
     for entry in r.entries:
         line = r.line_of(entry.at)
         inch = int(inches[line]) if len(stated) != 1 else int(stated[0])
-        point, digit = _entry_units(r, inch)
+        point, digit = point_nm(r, inch), digit_nm(r, inch)
         value = entry.pointed * point + entry.whole * (digit or 0)
         value += sum(sign * nm.get(n, Decimal(0)) for sign, n in entry.refers)
         unset = [n for _, n in entry.refers if n not in nm]
@@ -134,19 +133,6 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
             wrong = True
     r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
     return None if wrong else {n: float(v / 1000) for n, v in nm.items()}
-
-
-def _entry_units(r: Reading, inch: int) -> tuple[int, int | None]:
-    """Return what 1 is in a table with a point and without one, nm; None where nothing says it."""
-    said = r.dialect
-    point = iso.NM_OF_INCH if inch == 1 else iso.NM_OF_MM
-    if inch == UNSAID and said.units_nm is not None:
-        point = said.units_nm
-    if said.whole_nm is not None:
-        return point, said.whole_nm
-    if point == iso.NM_OF_INCH:
-        return point, dialects.INCH_DIGIT_NM if said.is_open(None) else None
-    return point, 1000 if r.machine.iso.integers == "um" else iso.NM_OF_MM
 
 
 def _merged(

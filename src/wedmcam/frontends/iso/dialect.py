@@ -18,7 +18,7 @@ from wedmcam.diag import Diagnostic, Severity
 from wedmcam.frontends.iso.offsets import Entry
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import Plain, TextSpans, plain
-from wedmcam.machines import Iso, Layout
+from wedmcam.machines import Iso, Layout, builtin, names
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -285,6 +285,12 @@ _STYLES = {
 }
 
 
+def _profiles_of(style: str) -> str:
+    """Return the built-in profiles of a style, in words."""
+    known = [name for name in names() if builtin(name).iso.subprograms == style]
+    return f"; --profile-in {' or '.join(known)}" if known else ""
+
+
 def of_subprograms(
     words: Ints, w: Words, text: Plain, fits: list[str], refused: bool
 ) -> list[Question]:
@@ -303,7 +309,9 @@ def of_subprograms(
     what = "calls a subprogram: is P the number of a line (N), or of a program (O)?"
     if fit is not None:
         what += f" In this file every call finds its {fit}"
-    answers = ", or ".join(f"--subprograms-in {name} ({how})" for name, how in _STYLES.items())
+    answers = ", or ".join(
+        f"--subprograms-in {name} ({how}{_profiles_of(name)})" for name, how in _STYLES.items()
+    )
     assumed = f"{fit}, {_STYLES[fit]}" if fit is not None else ""
     return _of_words("subprogram", words, w, text, what, assumed, f"{answers}; or {_NAME_IT}")
 

@@ -47,15 +47,20 @@ class Reading:
         self.bad: Bools = np.zeros(self.lines, bool)
         #: How subprograms are run, as the user or the profile says; None where neither does.
         self.subprograms: str | None = dialect.subprograms
+        if dialect.named and dialect.subprograms is None and machine.iso.subprograms != "none":
+            self.subprograms = machine.iso.subprograms
         #: Of each line that is run its line in the text; None where that is the same.
         self.order: Ints | None = None
         #: Calls are not run: what is found on the path is another's.
         self.unrun = False
         self._ends = self.words.line_end
+        self._first_run = np.zeros(0, np.int64)
 
     def run_in(self, order: Ints) -> None:
         """Put lines of the text in the order in which they are run: often, once, or not at all."""
         self.order = order
+        self._first_run = np.full(self.lines, len(order) - 1)
+        self._first_run[order[::-1]] = np.arange(len(order))[::-1]
         self.words = self.words.in_order(order)
         self.bad = self.bad[order]
         self.lines = len(order)
@@ -65,9 +70,7 @@ class Reading:
     def line_of(self, at: int) -> int:
         """Return the first line that is run of which a character is; the last for one of none."""
         line = int(np.searchsorted(self._ends, at))
-        if self.order is None:
-            return line
-        return int(np.append(np.flatnonzero(self.order == line), self.lines - 1)[0])
+        return line if self.order is None else int(self._first_run[line])
 
     def tell_words(
         self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None

@@ -501,7 +501,8 @@ def _run(r: Reading, plan: Plan) -> None:
     blocks, lines = int(filled[order].sum()), int((filled & done).sum())
     used = np.flatnonzero(plan.runs)
     named = ", ".join(
-        f"{_word(r, int(plan.row[i]))} run {_often(int(plan.runs[i]))}" for i in used[:NAMED]
+        f"{_word(r, int(plan.row[i]))} {'run ' if i == used[0] else ''}{_often(int(plan.runs[i]))}"
+        for i in used[:NAMED]
     )
     more = f" and {len(used) - NAMED} more" if len(used) > NAMED else ""
     what = f"subprograms: {named}{more}; {blocks} blocks are run from {lines} lines"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +33,9 @@ class Reading:
 
     def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
-        self.machine, self.file = machine, file
-        self.said, self.dialect = dialect, completed(dialect, machine.iso)
+        self.file, self.said = file, dialect
+        self.dialect, closed = completed(dialect, machine.iso)
+        self.machine = replace(machine, iso=closed)
         codes, self.entries, self.conditions = tables_of(with_numbers(self.plain.codes))
         self.words: Words = words_of(codes, self.dialect.semicolon == "block")
         self.lines = len(self.words.line_start)
@@ -54,10 +56,13 @@ class Reading:
         #: Calls are not run: what is found on the path is another's.
         self.unrun = False
         self._ends = self.words.line_end
+        self._first_run = np.zeros(0, np.int64)
 
     def run_in(self, order: Ints) -> None:
         """Put lines of the text in the order in which they are run: often, once, or not at all."""
         self.order = order
+        self._first_run = np.full(self.lines, len(order) - 1)
+        self._first_run[order[::-1]] = np.arange(len(order))[::-1]
         self.words = self.words.in_order(order)
         self.bad = self.bad[order]
         self.lines = len(order)
@@ -67,9 +72,7 @@ class Reading:
     def line_of(self, at: int) -> int:
         """Return the first line that is run of which a character is; the last for one of none."""
         line = int(np.searchsorted(self._ends, at))
-        if self.order is None:
-            return line
-        return int(np.append(np.flatnonzero(self.order == line), self.lines - 1)[0])
+        return line if self.order is None else int(self._first_run[line])
 
     def tell_words(
         self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None

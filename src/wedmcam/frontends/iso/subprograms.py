@@ -98,6 +98,12 @@ def ends_of(style: str | None) -> tuple[int, ...]:
     return (*iso.ENDS, iso.END_OF_LABELS) if style == "N-label" else iso.ENDS
 
 
+def calls_in(r: Reading) -> bool:
+    """Return whether a text has a call, so that what stands behind its end may be run."""
+    w = r.words
+    return bool(((w.letter == ord("M")) & w.good & ~w.pointed & (w.whole == 98)).any())
+
+
 def run_subprograms(r: Reading) -> None:
     """Put the lines in the order in which they are run, and report what cannot be.
 
@@ -495,7 +501,8 @@ def _run(r: Reading, plan: Plan) -> None:
     blocks, lines = int(filled[order].sum()), int((filled & done).sum())
     used = np.flatnonzero(plan.runs)
     named = ", ".join(
-        f"{_word(r, int(plan.row[i]))} run {_often(int(plan.runs[i]))}" for i in used[:NAMED]
+        f"{_word(r, int(plan.row[i]))} {'run ' if i == used[0] else ''}{_often(int(plan.runs[i]))}"
+        for i in used[:NAMED]
     )
     more = f" and {len(used) - NAMED} more" if len(used) > NAMED else ""
     what = f"subprograms: {named}{more}; {blocks} blocks are run from {lines} lines"

@@ -86,7 +86,10 @@ class Layout:
 
 @dataclass(frozen=True, slots=True)
 class Iso:
-    """How ISO records are written, and what whole numbers mean where they are read.
+    """How ISO records are written, and what a program means that does not say it itself.
+
+    Where `coordinates`, `integers`, `points` or `ij` is ``open``, the profile does not say it: a
+    file that leaves it open too is asked. What is written then is G90, and from the start.
 
     Attributes:
         coordinates: ``incremental`` (G91) or ``absolute`` (G90, drawing coordinates).
@@ -218,6 +221,8 @@ class Machine:
         layout: see `Layout`; used by 3B and, as far as it fits, by ISO.
         iso: see `Iso`; used by ISO.
         axes: see `Axes`.
+        writes: programs are written for it; else they are only read. A profile that only reads says
+            what a source states of its machine, and leaves the rest to the file and the user.
     """
 
     name: str
@@ -230,6 +235,7 @@ class Machine:
     layout: Layout = field(default_factory=Layout)
     iso: Iso = field(default_factory=Iso)
     axes: Axes = field(default_factory=Axes)
+    writes: bool = True
 
     @property
     def table(self) -> str:

@@ -88,6 +88,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "format": _choice(*FORMATS, required=True),
         "line_table": _choice("mirror", "rotate", required=True),
         "count": _choice("exact", "textbook"),
+        "writes": _Key(bool, "true or false", lambda v: True, formats=_ISO),
     },
     "limits": {
         # 3B fields have six digits; the compact format stores J in three BCD bytes, a line's x and
@@ -128,11 +129,11 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         ),
     },
     "iso": {
-        "coordinates": _choice("incremental", "absolute", formats=_ISO),
+        "coordinates": _choice("incremental", "absolute", "open", formats=_ISO),
         "unit": _choice("um", "mm", formats=_ISO),
-        "integers": _choice("um", "mm", "inch", "0.0001in", formats=_ISO),
-        "points": _choice("mm", "inch", formats=_ISO),
-        "ij": _choice("start", "absolute", "to-start", formats=_ISO),
+        "integers": _choice("um", "mm", "inch", "0.0001in", "open", formats=_ISO),
+        "points": _choice("mm", "inch", "open", formats=_ISO),
+        "ij": _choice("start", "absolute", "to-start", "open", formats=_ISO),
         "semicolon": _choice("block", "comment", formats=_ISO),
         "subprograms": _choice("none", "N-label", "O-number", formats=_ISO),
         "offsets": _choice("radius", "diameter", formats=_ISO),
@@ -331,6 +332,9 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         found.append(error("profile-value", what, place))
     if known_format in _ISO:
         found += _of_iso(tables["iso"], text, name)
+        if tables["iso"].get("coordinates") == "open" and top.get("writes", True):
+            what = "'iso.coordinates' = \"open\" cannot be written: it takes writes = false"
+            found.append(error("profile-value", what, _place(text, name, "iso", "coordinates")))
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):
@@ -371,6 +375,7 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
             layout=Layout(**layout),
             iso=Iso(**tables["iso"], words=vocabulary),
             axes=Axes(**tables["axes"]),
+            writes=top.get("writes", True),
         ),
         [],
     )

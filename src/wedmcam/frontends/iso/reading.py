@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +33,9 @@ class Reading:
 
     def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
-        self.machine, self.file = machine, file
-        self.said, self.dialect = dialect, completed(dialect, machine.iso)
+        self.file, self.said = file, dialect
+        self.dialect, closed = completed(dialect, machine.iso)
+        self.machine = replace(machine, iso=closed)
         codes, self.entries, self.conditions = tables_of(with_numbers(self.plain.codes))
         self.words: Words = words_of(codes, self.dialect.semicolon == "block")
         self.lines = len(self.words.line_start)

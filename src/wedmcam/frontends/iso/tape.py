@@ -17,19 +17,21 @@ import numpy as np
 
 from wedmcam.diag import Severity, warning
 from wedmcam.frontends.iso.reading import Reading
-from wedmcam.frontends.iso.subprograms import calls_of, ends_of
+from wedmcam.frontends.iso.subprograms import ends_of
 
 
-def take_end(r: Reading) -> None:
-    """Take what stands behind the end of the program out, and say how much of it moves."""
+def take_end(r: Reading, by_word: bool = True) -> None:
+    """Take what stands behind the end of the program out, and say how much of it moves.
+
+    ``by_word``: M02 and M30 end it, as a percent sign does: no subprograms stand behind them.
+    """
     w = r.words
     m = (w.letter == ord("M")) & w.good & ~w.pointed & np.isin(w.whole, ends_of(r.subprograms))
-    m &= not calls_of(r)
     ends = w.percents[w.percents > w.start[0]][:1] if len(w.start) else w.percents[:0]
     by = "%"
     end = int(ends[0]) if len(ends) else len(r.plain.codes)
     stop = np.flatnonzero(m)[:1]
-    if len(stop) and int(w.start[stop[0]]) < end:
+    if by_word and len(stop) and int(w.start[stop[0]]) < end:
         end = int(w.line_end[w.line[stop[0]]])
         by = r.plain.excerpt(int(w.start[stop[0]]), int(w.end[stop[0]]))
     gone = w.start >= end

@@ -216,6 +216,19 @@ def test_a_profile_that_is_named_says_the_style():
     assert "runs none" in refused(INLINE, "none", profile=labels).message
 
 
+def test_a_profile_that_refuses_calls_gives_way_to_what_is_said():
+    _, found = read(INLINE, None, profile="makino")
+    assert "M98: calls a subprogram; no source states" in " ".join(d.message for d in found)
+    text = INLINE.replace("M199", "M02")
+    assert ends(read(text, "N-label", profile="makino")[0])[-2] == [5, 0]
+
+
+def test_field_m98_inline_with_the_profile_of_its_machine():
+    program, found = read(INLINE, None, profile="sodick")
+    assert [d.code for d in found] == ["subprogram-run"]
+    assert ends(program)[-2:] == [[5, 0], [0, 0]]
+
+
 def test_none_is_refused_in_pictures_too():
     assert "--subprograms-in none runs none" in refused(INLINE, "none").message
     assert "none" in refused(INLINE, "none", shown=True).message

@@ -354,6 +354,7 @@ def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -
         subprograms=said.get("subprograms_in"),
         named=named,
         shown=shown,
+        asks=True,
     )
 
 

@@ -89,7 +89,10 @@ class Layout:
 
 @dataclass(frozen=True, slots=True)
 class Iso:
-    """How ISO records are written, and what whole numbers mean where they are read.
+    """How ISO records are written, and what a program means that does not say it itself.
+
+    Where `coordinates`, `integers`, `points` or `ij` is ``open``, the profile does not say it: a
+    file that leaves it open too is asked. What is written then is G90, and from the start.
 
     Attributes:
         coordinates: ``incremental`` (G91) or ``absolute`` (G90, drawing coordinates).

@@ -131,11 +131,11 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         ),
     },
     "iso": {
-        "coordinates": _choice("incremental", "absolute", formats=_ISO),
+        "coordinates": _choice("incremental", "absolute", "open", formats=_ISO),
         "unit": _choice("um", "mm", formats=_ISO),
-        "integers": _choice("um", "mm", "inch", "0.0001in", formats=_ISO),
-        "points": _choice("mm", "inch", formats=_ISO),
-        "ij": _choice("start", "absolute", "to-start", formats=_ISO),
+        "integers": _choice("um", "mm", "inch", "0.0001in", "open", formats=_ISO),
+        "points": _choice("mm", "inch", "open", formats=_ISO),
+        "ij": _choice("start", "absolute", "to-start", "open", formats=_ISO),
         "semicolon": _choice("block", "comment", formats=_ISO),
         "subprograms": _choice("none", "N-label", "O-number", formats=_ISO),
         "offsets": _choice("radius", "diameter", formats=_ISO),
@@ -339,6 +339,9 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         for key, why in around.faults(*lines):
             what = f"'layout.{key}': {why}"
             found.append(error("profile-value", what, _place(text, name, "layout", key)))
+        if tables["iso"].get("coordinates") == "open" and top.get("writes", True):
+            what = "'iso.coordinates' = \"open\" cannot be written: it takes writes = false"
+            found.append(error("profile-value", what, _place(text, name, "iso", "coordinates")))
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):

@@ -101,7 +101,11 @@ class Stated:
     @property
     def own_path(self) -> Machine:
         """Its own: the program states the path."""
-        return self.machine if self.machine.writes else replace(self.machine, writes=True)
+        machine = self.machine
+        if machine.writes:
+            return machine
+        closed = replace(machine.iso, coordinates="absolute", unit="mm")
+        return replace(machine, writes=True, iso=closed)
 
     @property
     def square_axis(self) -> Axis:

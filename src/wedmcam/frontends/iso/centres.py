@@ -57,7 +57,7 @@ def rules_of(r: Reading, codes: Ints, has: Bools) -> Rules:
     """Return the rule of every line; ``codes`` in tenths where a line ``has`` one."""
     said = _SAID[r.dialect.centres]
     rule = np.full(r.lines, int(said))
-    unsaid = np.full(r.lines, r.dialect.is_open(r.dialect.centres))
+    unsaid = np.full(r.lines, r.dialect.is_open(r.dialect.centres, "ij"))
     lines = np.flatnonzero(has)
     if len(lines):
         of_code = np.where(codes == 901, int(Rule.PLACE), int(Rule.START))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,9 @@ class Dialect:
         subprograms: "N-label", "O-number" or "none": which lines M98 runs.
         named: the profile is one that was named. It says what it has keys for.
         shown: the program is only shown: what is assumed is a warning, and no error.
+        asks: what the profile leaves open is asked. Else the program is one of ours, and means what
+            is written with that profile.
+        leaves: keys of the named profile that are ``open``, see `completed`.
     """
 
     coordinates: str | None = None
@@ -59,18 +63,34 @@ class Dialect:
     subprograms: str | None = None
     named: bool = True
     shown: bool = False
+    asks: bool = False
+    leaves: frozenset[str] = frozenset()
 
-    def is_open(self, said: str | int | None) -> bool:
-        """Return whether neither an option nor a profile says something."""
-        return said is None and not self.named
+    def is_open(self, said: str | int | None, key: str) -> bool:
+        """Return whether neither an option nor a profile, by its key, says something."""
+        return said is None and (not self.named or key in self.leaves)
 
 
-def completed(said: Dialect, profile: Iso) -> Dialect:
-    """Return a dialect with what its profile says of centres and semicolons, if it was named."""
+#: Keys of a profile that may be open, and what is written then, or assumed of what is only shown.
+_CLOSED = {"coordinates": "absolute", "integers": "um", "points": "mm", "ij": "start"}
+
+
+def completed(said: Dialect, profile: Iso) -> tuple[Dialect, Iso]:
+    """Return a dialect with what its profile says, if it was named; and the profile closed."""
+    opened: dict[str, Any] = {k: v for k, v in _CLOSED.items() if getattr(profile, k) == "open"}
+    closed = replace(profile, **opened) if opened else profile
     if not said.named:
-        return said
-    semicolon = said.semicolon or profile.semicolon or None
-    return replace(said, centres=said.centres or profile.ij, semicolon=semicolon)
+        return said, closed
+    leaves = frozenset(opened) if said.asks else frozenset()
+    centres = said.centres or (None if "ij" in leaves else closed.ij)
+    style = profile.subprograms if profile.subprograms != "none" else None
+    return replace(
+        said,
+        centres=centres,
+        semicolon=said.semicolon or profile.semicolon or None,
+        subprograms=said.subprograms or style,
+        leaves=leaves,
+    ), closed
 
 
 # --- questions ------------------------------------------------------------------------------------
@@ -178,14 +198,14 @@ def of_table(entries: list[Entry], said: Dialect, text: Plain, stated: bool) -> 
     asked = []
     for is_open, of, what, assumed, hint in (
         (
-            said.is_open(said.units_nm) and not stated,
+            said.is_open(said.units_nm, "points") and not stated,
             [e for e in entries if e.pointed],
             "an offset with a point, and no G20 or G21 in the file: mm or inch?",
             "mm",
             "--units-in mm, or --units-in inch",
         ),
         (
-            said.is_open(said.whole_nm),
+            said.is_open(said.whole_nm, "integers"),
             [e for e in entries if e.whole],
             "an offset without a point: what is its last digit?",
             "as the whole numbers of the default profile",

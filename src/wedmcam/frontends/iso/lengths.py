@@ -66,9 +66,9 @@ def lengths_of(
         out[name] = np.where(large | ~has, 0, nm)
         bare |= has & ~pointed & (value != 0)
         some_pointed |= bool(np.any(has & pointed))
-    if not said.named or said.units_nm is not None:
+    if not said.named or said.leaves or said.units_nm is not None:
         _ask_units(r, inches, in_inch, used, stop_line)
-    if not said.named or said.whole_nm is not None:
+    if said.is_open(None, "integers") or said.whole_nm is not None:
         return out
     for inch, system, answer in ((1, "inches", "0.0001in"), (0, "mm", "um")):
         of = [k for k in (inch, UNSAID) if digit_nm(r, k) is None and (k == inch or inch == 1)]
@@ -112,7 +112,7 @@ def digit_nm(r: Reading, inch: int) -> int | None:
     said, how = r.dialect, r.machine.iso
     if said.whole_nm is not None:
         return said.whole_nm
-    if not said.named:
+    if said.is_open(None, "integers"):
         in_inch = inch == 1 or (inch == UNSAID and point_nm(r, UNSAID) == iso.NM_OF_INCH)
         return dialects.INCH_DIGIT_NM if in_inch else _DIGITS[how.integers][0]
     of_inch = how.integers in ("inch", "0.0001in")
@@ -133,12 +133,12 @@ def _ask_units(
     lengths = w.good & (w.whole != 0) & (w.line <= stop_line)
     letters = [np.isin(w.letter, np.frombuffer(k, np.uint8)) for k in (b"XY", b"IJR")]
     lengths &= (letters[0] & used[0][w.line]) | (letters[1] & used[1][w.line])
-    if said.is_open(said.whole_nm):
+    if said.is_open(said.whole_nm, "integers"):
         whole = np.flatnonzero(lengths & ~w.pointed)
         r.questions += dialects.of_whole(
             whole, w, r.plain, in_inch[w.line[whole]], r.machine.iso.integers
         )
-    if said.is_open(said.units_nm):
+    if said.is_open(said.units_nm, "points"):
         unsaid = np.flatnonzero(lengths & w.pointed & (inches[w.line] == UNSAID))
         r.questions += dialects.of_units(unsaid, w, r.plain)
     elif said.units_nm is not None:
@@ -155,7 +155,7 @@ def distance_of(r: Reading, stated: Ints, moves: Bools, stop_line: int) -> Ints:
     said, profile = r.dialect, r.machine.iso.coordinates
     incremental = (said.coordinates or profile) == "incremental"
     out = np.where(stated == UNSAID, 91 if incremental else 90, stated)
-    if said.named and said.coordinates is None:
+    if said.coordinates is None and not said.is_open(None, "coordinates"):
         return out
     lines = np.flatnonzero(moves[: stop_line + 1])
     unsaid = stated[lines] == UNSAID

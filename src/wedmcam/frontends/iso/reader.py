@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note
 from wedmcam.formats import b3, iso
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs
@@ -42,14 +42,15 @@ from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
 from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
-from wedmcam.frontends.iso.subprograms import ends_of, run_subprograms
+from wedmcam.frontends.iso.subprograms import STYLES, calls_of, ends_of, order_of
 from wedmcam.frontends.iso.table import Tables, modes_of
-from wedmcam.frontends.iso.tape import behind, take_end, take_number
+from wedmcam.frontends.iso.tape import take_end, take_number
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import TextSpans
 from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.machines import Known, Machine
+from wedmcam.machines.vocabulary import PER_CODE
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -101,10 +102,15 @@ def read(
         dialect: as for `decode`.
     """
     r = Reading(data, machine, file, dialect or Dialect())
-    take_end(r)
-    _tell_text(r)
-    run_subprograms(r)
+    # A profile may refuse calls, for nothing states what they run; the user may still say it.
+    refuses = vocabulary_of(r).class_of("M", 98 * PER_CODE) is Known.REFUSED
+    runs = not refuses or r.said.subprograms in STYLES
+    take_end(r, by_word=not (runs and calls_of(r)))
     take_number(r)
+    order = order_of(r) if runs else None
+    _tell_text(r)
+    if order is not None:
+        r.run_in(order)
     take_dwells(r)
     take_tolerances(r)
     classes = take_known(r)
@@ -347,16 +353,8 @@ def _program(
         ends_nm[k], starts_nm[k] = place, np.concatenate([[0], place[:-1]])
         befores[k] = before
 
-    late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
-    if len(late):
-        what = behind(len(late), f"M{codes[np.isin(codes, ends)][0]:02d}")
-        r.found.append(
-            (
-                int(w.line_start[late[0]]),
-                warning("after-end", what, r.spans.at(int(w.line_start[late[0]]))),
-            )
-        )
     rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
+    _tell_start(r, rows[:1], motion, distance, reset)
     runs = None
     if modes is not None:
         still = np.ones(len(rows), bool)
@@ -419,6 +417,18 @@ def _program(
         what = "no ISO record with a motion in this file"
         r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
     return Programmed(Program(every, spans=spans, words=words), mark, motions), r.findings()
+
+
+def _tell_start(r: Reading, first: Ints, motion: Ints, distance: Ints, reset: Bools) -> None:
+    """Say from where a program is cut that goes to a place first, and says no start before."""
+    cuts = first[(motion[first] > 0) & (distance[first] == 90)]
+    r.tell_lines(
+        Severity.NOTE,
+        "iso-start",
+        cuts[~np.cumsum(reset)[cuts].astype(bool)],
+        lambda i: "a cut to a place, and no G92 stands before it: taken to start at X0 Y0",
+        "G92 with the place where the wire stands, in front of the first cut",
+    )
 
 
 def _blocks(

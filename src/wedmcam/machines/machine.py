@@ -103,6 +103,12 @@ class Iso:
             as the place falls. Of paths of the wire; an outline in G41 or G42 keeps its circle.
         d: number of the first offset in the controller's table; a program with several offsets
             takes the next ones too.
+        offsets: what an entry of the controller's table is: ``radius``: how far the wire runs
+            beside the outline; ``diameter``: twice that.
+        offset_word: the letter of the numbers of offsets, ``D`` or ``H``; the other one is refused
+            where a program is read. ``either``: D is written, and either is read.
+        offset_change: what another number of an offset does while the path is offset: ``refused``:
+            it is not known; ``skewed``: a straight block runs from the old offset to the new one.
         start: how a program tells where it starts: ``g92`` says that the wire stands there and what
             its place is called; ``move`` sets nothing and goes there with G00 in coordinates that
             are set at the machine, with a wire that stands there already. The first G00 of a
@@ -123,6 +129,9 @@ class Iso:
     compensation: str = "computed"
     full_circle: str = "halves"
     d: int = 1
+    offsets: str = "radius"
+    offset_word: str = "either"
+    offset_change: str = "refused"
     start: str = "g92"
     feed_um: int = 0
 

@@ -93,7 +93,8 @@ def compile(
     Args:
         source: a path, or the bytes of a DXF drawing.
         to: "3b" (default) or "compact".
-        profile: a machine, or the name of a built-in one; None for the format's default.
+        profile: a machine, or the name of a built-in one; None for the format's default. Where that
+            was another one release ago, a note says so.
         name: of the source in findings and certificate; the path by default.
         output_name: of the program in the certificate.
         options: everything else, in um.
@@ -118,7 +119,8 @@ def compile(
         )
     run = Run(options.strict)
     refused = planned_for(data, name, options, [machine], run)
-    return compile_plan(data, name, machine, options, run, output_name, refused)
+    named = profile is not None
+    return compile_plan(data, name, machine, options, run, output_name, refused, named=named)
 
 
 def planned_for(
@@ -140,6 +142,8 @@ def compile_plan(
     run: Run,
     output_name: str = "",
     refused: str = "",
+    *,
+    named: bool = True,
 ) -> Compilation:
     """Compile what is asked for of a plan for one machine, and prove the program.
 
@@ -151,12 +155,14 @@ def compile_plan(
         run: in which `planned_for` left what was drawn and the plan.
         output_name: of the program.
         refused: where planning stopped; then nothing is compiled.
+        named: the machine was named, and is not just the default of its format.
     """
     target, stage, made = target_of(machine), refused, run.values
     if not stage:
         try:
             part = run("plan", (portion(made["plan"], target, options, run), ()))
             pipeline.compiled(part, target, options, run, output_name)
+            run.add("verify", [] if named else machines.unnamed(machine))
         except Refused as why:
             stage = why.stage
     entries, verdict = made.get("enter"), made.get("verify")
@@ -345,6 +351,7 @@ def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -
         whole_nm=whole,
         centres=said.get("centres_in"),
         semicolon=said.get("semicolon_in"),
+        subprograms=said.get("subprograms_in"),
         named=named,
         shown=shown,
     )
@@ -485,7 +492,8 @@ def verify(
         against: the drawing; None only decodes, runs and tells the figures.
         profile: of the program; None for that of the certificate, else the default of its format.
             An ISO program then has to say itself what its numbers mean, or the options
-            ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``, ``semicolon_in`` do.
+            ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``, ``semicolon_in``,
+            ``subprograms_in`` do.
         format: of the program; None to tell by its name and its content.
         name: of the program in findings.
         against_name: of the drawing.
@@ -625,7 +633,7 @@ def read_program(
         shown: the program is only shown: what it leaves open is assumed, and said first. Else it is
             refused.
         **said: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``,
-            ``semicolon_in``, as in `Options`.
+            ``semicolon_in``, ``subprograms_in``, as in `Options`.
 
     Raises:
         WrongUse: an unknown format or profile, or something else said.
@@ -711,6 +719,8 @@ def _reader_machine(
 
             seen = identify(data).format
             format_ = seen if seen in machines.DEFAULTS else "3b"
+    if profile is None and format_ in machines.DEFAULTS:
+        return machines.reading(format_)
     return machine_for(format_, profile)
 
 

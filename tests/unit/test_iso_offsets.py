@@ -519,8 +519,11 @@ def test_d0_is_no_offset():
     text = "G91\nG41 D0 G01 X500\nG01 Y500\nG40\nM02\n"
     program, found = read(text, [(1, 100.0)])
     assert ends(program)[:2] == [(500, 0), (500, 500)]
-    assert read(text)[0].blocks.tolist() == program.blocks.tolist()
-    assert not found
+    again, more = read(text)
+    assert again.blocks.tolist() == program.blocks.tolist()
+    assert codes(found) == codes(more) == ["iso-offsets"]
+    assert "no offset" in found[0].message
+    assert not read(text, [(0, 0.0)])[1]
     _, found = read(text.replace("D0", "H0"))
     assert found[0].hint.endswith("--d 0=0mm")
 

@@ -846,15 +846,47 @@ CODES: dict[str, Code] = {
         "Leave the option out, or correct the program.",
     ),
     "subprogram": Code(
-        "An ISO program calls, repeats or ends a subprogram (M98, M99, M97, M198, M199, L, P).",
-        "The lines of a subprogram are cut where it is called, as often as it is called; wedmcam "
-        "does not run subprograms yet, and in the order of the file they are another path.",
-        "Write the lines of the subprogram in the place of each call.",
+        "A call of a subprogram in an ISO program (M98, M99, M97, M198, M199, L, P) cannot be run.",
+        "The lines of a subprogram are cut where it is called, as often as it is called; in the "
+        "order of the file, or from another line, they are another path. One controller looks for "
+        "N0001 in the file where M98 P0001 stands, the next for the program O0001.",
+        "Say which: --subprograms-in N-label or O-number, or --profile-in of the machine; correct "
+        "the call; or write the lines of the subprogram in its place.",
+    ),
+    "subprogram-run": Code(
+        "Subprograms of an ISO program are run.",
+        "A line of the file is more than one block then: the note says which subprograms are run, "
+        "how often, and how many blocks that makes.",
+        "Nothing, if that is what the machine does.",
+    ),
+    "default-profile": Code(
+        "A program was written with the default profile of its format, which was another before.",
+        "ISO programs are in mm with a point now, with G21 and G90 in them: controllers that read "
+        "them mean the same. In whole um (iso-um) one that takes numbers for mm goes metres.",
+        "Nothing is needed; name the profile (--profile, or in a wedmcam.toml) and it is not said.",
+    ),
+    "reads-only": Code(
+        "A program was to be written with a profile that only reads programs.",
+        "No source states enough of that machine's words to write for it, and a program in words "
+        "that it may not take is none.",
+        "Write with a profile that writes, or with one of your own made for the machine; "
+        "`wedmcam profile show NAME` prints one to start from, and `writes` is one of its keys.",
     ),
     "feed-assumed": Code(
         "No cutting speed was given, and the controller demands F in a program.",
         "The F of the profile is written; it may be too fast for the plate.",
-        "Give --feed to compile, a length a minute; or set feed_um in a profile of your own.",
+        "Give --feed, a length a minute; or set feed_um in a profile of your own.",
+    ),
+    "feed-raised": Code(
+        "F is below the slowest speed that the controller goes.",
+        "It cuts faster than is asked for: the wire may touch, and break.",
+        "Give a --feed of that speed or more, or change the limit in the controller and in the "
+        "profile (feed_least_um).",
+    ),
+    "over-line": Code(
+        "A line of an ISO program is longer than the controller takes.",
+        "The controller refuses it, or runs what fits: a header would set half of its modes.",
+        "Shorten the line; header and footer of a profile may be several lines.",
     ),
     "iso-skip": Code(
         "A block that the operator may skip (/).",

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from wedmcam.formats import b4, compact, gap, rotation
 from wedmcam.frontends.compact import addresses
 from wedmcam.frontends.iso.offsets import tables_of
+from wedmcam.frontends.iso.words import with_numbers
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
+from wedmcam.frontends.style import lines_end, style_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,18 +113,23 @@ _ISO_COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
 
 
 def _iso(data: bytes) -> Identification | None:
-    """Return what a text of ISO words is, or None: nine lines in ten must be such words."""
+    """Return what a text of ISO words is, or None: nine lines in ten must be such words.
+
+    A line of text in front of the first code is a title, and counts for none.
+    """
     if data.count(b"\0") > len(data) // 8 and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return None
-    codes, entries, _ = tables_of(plain(data).codes)
+    codes, entries, _ = tables_of(with_numbers(plain(data).codes))
+    ended = lines_end(codes)
     codes = _ISO_COMMENT.sub(lambda m: b" " * len(m[0]), codes)
     at, motions, lines, last, bad = 0, 0, 0, -1, None
-    coded = False
+    coded, titles = False, 0
     for line in codes.split(b"\n"):
         if part := line.strip():
             lines += 1
             if not _ISO_LINE.fullmatch(part):
                 bad = at if bad is None else bad
+                titles += not coded
                 if lines > 20 and motions * 2 < lines:
                     return None
             else:
@@ -139,7 +146,8 @@ def _iso(data: bytes) -> Identification | None:
         if bad is not None
         else 0
     )
-    if not coded or not motions or wrong * 10 > lines:
+    title = titles == 1 and lines > 3
+    if not coded or not motions or (wrong - title) * 10 > lines:
         return None
     words = "line" if motions == 1 else "lines"
     named = ", ".join(f"H{n}" for n in dict.fromkeys(e.number for e in entries))
@@ -151,6 +159,8 @@ def _iso(data: bytes) -> Identification | None:
         numbers = sorted({(k, int(n)) for k, n in re.findall(rb"([DH]) *(\d{1,6})", codes)})
         given = ", ".join(f"{k.decode()}{n}" for k, n in numbers) or "no D"
         reason += f"; the controller offsets outlines (G41, G42) by its table: {given}"
+    if style := style_of(codes, "H" if entries else "", ended):
+        reason += f"; {style}"
     return Identification("iso", motions, last, bad, bad is None, reason)
 
 
@@ -215,7 +225,7 @@ def _doubts(data: bytes, format_: str) -> int:
     from wedmcam.diag import Severity
     from wedmcam.frontends import decoder
 
-    _, found = decoder(format_)(data, machines.default(format_), "")
+    _, found = decoder(format_)(data, machines.reading(format_), "")
     return sum(d.count for d in found if d.severity > Severity.NOTE)
 
 

@@ -12,19 +12,25 @@ from functools import cache
 from importlib.resources import files
 from pathlib import PurePath
 
-from wedmcam.diag import Diagnostic, TextSpan, error
+from wedmcam.diag import Diagnostic, TextSpan, error, note
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.profile import parse
+from wedmcam.machines.vocabulary import Known, Vocabulary
 
-#: The profile of a format when none is named.
+#: The profile that a format is written with when none is named.
 DEFAULTS: dict[str, str] = {
     "3b": "b3-compact",
     "compact": "zd065",
     "rotation": "zd065-rotation",
     "compensation": "zd065-compensation",
-    "iso": "iso-um",
+    "iso": "iso-mm",
     "4b": "b4-compact",
 }
+#: The profile it is read with, where that is another: an ISO program that is only shown is assumed
+#: to be in G91 and whole um where it says neither.
+READING: dict[str, str] = {"iso": "iso-um"}
+#: What a default was one release ago: whoever names none is told.
+BEFORE: dict[str, str] = {"iso": "iso-um"}
 
 
 @cache
@@ -64,6 +70,20 @@ def builtin(name: str) -> Machine:
     return machine
 
 
+@cache
+def knowing(letter: str, tenths: int) -> tuple[str, ...]:
+    """Return the built-in profiles of ISO whose tables name a word, whatever they say of it.
+
+    Args:
+        letter, tenths: of the word: ("M", 600) for M60, ("G", 911) for G91.1.
+
+    >>> knowing("M", 99_9990)
+    ()
+    """
+    iso = (m for m in map(builtin, names()) if m.is_of("iso"))
+    return tuple(m.name for m in iso if m.iso.words.class_of(letter, tenths) is not Known.NOT)
+
+
 def of_file(text: str, file: str) -> tuple[Machine | None, list[Diagnostic]]:
     """Return the profile that a file holds; it is named after the file, findings point into it.
 
@@ -76,12 +96,35 @@ def of_file(text: str, file: str) -> tuple[Machine | None, list[Diagnostic]]:
 
 
 def default(format_: str) -> Machine:
-    """Return the profile that a format has when none is named.
+    """Return the profile that a format is written with when none is named.
 
     Raises:
         KeyError: the format has none.
     """
     return builtin(DEFAULTS[format_])
+
+
+def reading(format_: str) -> Machine:
+    """Return the profile that a format is read with when none is named.
+
+    Raises:
+        KeyError: the format has none.
+
+    >>> default("iso").name, reading("iso").name, reading("3b").name
+    ('iso-mm', 'iso-um', 'b3-compact')
+    """
+    return builtin(READING.get(format_) or DEFAULTS[format_])
+
+
+def unnamed(machine: Machine) -> list[Diagnostic]:
+    """Return what is said where a program is written with the default of its format, unnamed."""
+    before = BEFORE.get(machine.format)
+    if before is None:
+        return []
+    what = f"profile {machine.name} (before: {before})"
+    return [
+        note("default-profile", what, hint=f"--profile {before} writes what was written before")
+    ]
 
 
 def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
@@ -94,18 +137,25 @@ def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
 
 
 __all__ = [
+    "BEFORE",
     "DEFAULTS",
+    "READING",
     "Axes",
     "Iso",
+    "Known",
     "Layout",
     "Limits",
     "Machine",
+    "Vocabulary",
     "Words",
     "builtin",
     "default",
     "find",
+    "knowing",
     "names",
     "of_file",
     "parse",
+    "reading",
     "text",
+    "unnamed",
 ]

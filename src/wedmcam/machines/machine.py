@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from wedmcam.machines.vocabulary import Vocabulary
+
 if TYPE_CHECKING:
     from wedmcam.controllers import Stepping
 
@@ -24,6 +26,8 @@ class Limits:
             the arc starts; a compact controller refuses a larger radius.
         memory_bytes: bytes of a binary program, end byte included; 0 for no limit.
         blocks: records of a text program, control records included; 0 for no limit.
+        line_chars: characters of one line of an ISO program, header and footer too, without blanks
+            and without text in parentheses or behind a semicolon; 0 for no limit.
         travel_um: how far the table goes, (x, y); None for no limit.
     """
 
@@ -32,6 +36,7 @@ class Limits:
     arc_um: int
     memory_bytes: int = 0
     blocks: int = 0
+    line_chars: int = 0
     travel_um: tuple[int, int] | None = None
 
 
@@ -89,7 +94,18 @@ class Iso:
     Attributes:
         coordinates: ``incremental`` (G91) or ``absolute`` (G90, drawing coordinates).
         unit: ``um``: whole numbers; ``mm``: digits behind a point.
-        integers: what a number without a point is where a program is read, ``um`` or ``mm``.
+        integers: what 1 is in a number without a point where a program is read: ``um``, ``mm``,
+            ``inch`` or ``0.0001in``. In the other system of units (G20 in a profile of mm, G21 in
+            one of inches) it is the like of it (um and 0.0001 in, mm and inch), where the profile
+            knows that code.
+        points: what 1 is in a number with a point before the first G20, G21, G70 or G71.
+        ij: what I and J of an arc are: ``start``: they lead from its start to its centre;
+            ``absolute``: under G90 they are the place of the centre; ``to-start``: they lead from
+            the centre to the start.
+        semicolon: what stands behind ``;``: ``comment``, or a ``block`` of its own; not set: the
+            profile does not say it.
+        subprograms: how subprograms are called: ``N-label``: M98 P0001 runs the blocks from N0001
+            to M99; ``O-number``: M98 P1234 runs those from O1234 to M99; ``none``: they are not.
         code_digits: of G and M codes: 2 writes G01, 1 writes G1.
         rapid: moves are G00; else G01 between two M00.
         sign: ``negative`` writes a minus only, ``always`` a plus too.
@@ -115,11 +131,18 @@ class Iso:
             program that is read then tells its start, and is no move.
         feed_um: F that is written where no ``--feed`` is given, um a minute; not set: no F at all.
             With it F is a word that is known where a program is read.
+        feed_least_um: the controller cuts no slower than this, um a minute, whatever F says; 0 for
+            no such limit.
+        words: see `Vocabulary`.
     """
 
     coordinates: str = "incremental"
     unit: str = "um"
     integers: str = "um"
+    points: str = "mm"
+    ij: str = "start"
+    semicolon: str = ""
+    subprograms: str = "none"
     code_digits: int = 2
     rapid: bool = False
     sign: str = "negative"
@@ -134,6 +157,8 @@ class Iso:
     offset_change: str = "refused"
     start: str = "g92"
     feed_um: int = 0
+    feed_least_um: int = 0
+    words: Vocabulary = field(default_factory=Vocabulary)
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,6 +228,8 @@ class Machine:
         layout: see `Layout`; used by 3B and, as far as it fits, by ISO.
         iso: see `Iso`; used by ISO.
         axes: see `Axes`.
+        writes: programs are written for it; else they are only read. A profile that only reads says
+            what a source states of its machine, and leaves the rest to the file and the user.
     """
 
     name: str
@@ -215,6 +242,7 @@ class Machine:
     layout: Layout = field(default_factory=Layout)
     iso: Iso = field(default_factory=Iso)
     axes: Axes = field(default_factory=Axes)
+    writes: bool = True
 
     @property
     def table(self) -> str:

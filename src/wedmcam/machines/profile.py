@@ -13,7 +13,9 @@ from typing import Any, Literal
 
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.diag.toml import read_toml
+from wedmcam.machines import around
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
+from wedmcam.machines.vocabulary import CLASSES, Vocabulary, wrong_words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
 _BINARY = FORMATS[1:4]
@@ -87,6 +89,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "format": _choice(*FORMATS, required=True),
         "line_table": _choice("mirror", "rotate", required=True),
         "count": _choice("exact", "textbook"),
+        "writes": _Key(bool, "true or false", lambda v: True, formats=_ISO),
     },
     "limits": {
         # 3B fields have six digits; the compact format stores J in three BCD bytes, a line's x and
@@ -97,6 +100,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "arc_um": _whole(1000, 99_999_999, True),
         "memory_bytes": _whole(18, _UM, formats=_BINARY),
         "blocks": _whole(1, _UM, formats=_READABLE),
+        "line_chars": _whole(20, 10_000, formats=_ISO),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
     },
     "axes": {
@@ -129,7 +133,11 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
     "iso": {
         "coordinates": _choice("incremental", "absolute", formats=_ISO),
         "unit": _choice("um", "mm", formats=_ISO),
-        "integers": _choice("um", "mm", formats=_ISO),
+        "integers": _choice("um", "mm", "inch", "0.0001in", formats=_ISO),
+        "points": _choice("mm", "inch", formats=_ISO),
+        "ij": _choice("start", "absolute", "to-start", formats=_ISO),
+        "semicolon": _choice("block", "comment", formats=_ISO),
+        "subprograms": _choice("none", "N-label", "O-number", formats=_ISO),
         "code_digits": _whole(1, 2, formats=_ISO),
         "rapid": _Key(bool, "true or false", lambda v: True, formats=_ISO),
         "sign": _choice("negative", "always", formats=_ISO),
@@ -143,6 +151,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "offset_change": _choice("refused", "skewed", formats=_ISO),
         "start": _choice("g92", "move", formats=_ISO),
         "feed_um": _whole(1, _UM, formats=_ISO),
+        "feed_least_um": _whole(1, _UM, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },
 }
@@ -239,6 +248,46 @@ def _of_iso(iso: dict[str, Any], text: str, name: str) -> list[Diagnostic]:
     return found
 
 
+def _words_of(
+    data: dict[str, Any], text: str, name: str, format_: str
+) -> tuple[Vocabulary, list[Diagnostic]]:
+    """Return the words under ``[iso.words]``, which it takes out of the data of a profile."""
+    iso = data.get("iso")
+    if format_ not in _ISO or not isinstance(iso, dict) or "words" not in iso:
+        return Vocabulary(), []
+    found: list[Diagnostic] = []
+    tables: dict[str, dict[str, Any]] = {}
+    data["iso"] = {key: value for key, value in iso.items() if key != "words"}
+    words = iso["words"]
+    if not isinstance(words, dict):
+        what = f"'iso.words' takes a table, not {words!r}"
+        return Vocabulary(), [error("profile-value", what, _place(text, name, "iso", "words"))]
+    for key, value in words.items():
+        place = _place(text, name, "", f"iso.words.{key}")
+        if key not in CLASSES:
+            what = f"unknown key 'iso.words.{key}'"
+            hint = _suggest(key, list(CLASSES))
+            found.append(error("profile-key", what, place, hint=hint))
+        elif not isinstance(value, dict):
+            what = f"'iso.words.{key}' takes a table, not {value!r}"
+            found.append(error("profile-value", what, place))
+        else:
+            tables[key] = value
+    for class_, key, what in wrong_words(tables):
+        place = _place(text, name, f"iso.words.{class_}", key)
+        said = f"'iso.words.{class_}' {key}: {what}"
+        found.append(error("profile-value", said, place))
+    if found:
+        return Vocabulary(), found
+    made = {class_: tuple(table.items()) for class_, table in tables.items()}
+    calls = [k for k in tables.get("path", {}) if k in ("M97", "M98", "M99", "M198", "M199")]
+    if calls and data["iso"].get("subprograms", "none") == "none":
+        place = _place(text, name, "iso.words.path", calls[0])
+        what = f"'iso.words.path' {calls[0]}: it takes 'iso.subprograms'"
+        found.append(error("profile-value", what, place))
+    return Vocabulary(**made), found
+
+
 def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
     """Return the machine that a TOML profile describes.
 
@@ -255,7 +304,9 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
 
     format_ = data.get("format")
     known_format = format_ if format_ in FORMATS else "3b"
+    vocabulary, unfit = _words_of(data, text, name, known_format)
     top, found = _check(text, name, "", data, known_format)
+    found += unfit
     tables: dict[str, dict[str, Any]] = {}
     for section in [s for s in _SCHEMA if s]:
         value = data.get(section, {})
@@ -285,6 +336,10 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         found.append(error("profile-value", what, place))
     if known_format in _ISO:
         found += _of_iso(tables["iso"], text, name)
+        lines = (tables["layout"].get(key, []) for key in ("header", "footer"))
+        for key, why in around.faults(*lines):
+            what = f"'layout.{key}': {why}"
+            found.append(error("profile-value", what, _place(text, name, "layout", key)))
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):
@@ -323,8 +378,9 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
             limits=Limits(**limits),
             words=words,
             layout=Layout(**layout),
-            iso=Iso(**tables["iso"]),
+            iso=Iso(**tables["iso"], words=vocabulary),
             axes=Axes(**tables["axes"]),
+            writes=top.get("writes", True),
         ),
         [],
     )

@@ -55,6 +55,11 @@ class Target(Protocol):
         ...
 
     @property
+    def refuses_written(self) -> Diagnostic | None:
+        """Why no program is written for it at all; None where one is."""
+        ...
+
+    @property
     def refuses_carried(self) -> Diagnostic | None:
         """Why no program of another format can become one of this; None where it can."""
         ...
@@ -158,7 +163,11 @@ class Target(Protocol):
         ...
 
     def write_carried(
-        self, program: Program, entries: Entries, senses: NDArray[np.int64] | None
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
     ) -> tuple[bytes | None, list[Diagnostic]]:
         """Return the bytes of a program that comes from another format; None where it cannot be.
 
@@ -167,6 +176,7 @@ class Target(Protocol):
             entries: as the operator enters them.
             senses: of an outline that stays one, `senses` of what it was made from, by the source
                 of each block.
+            feed_um: cutting speed, um a minute, for a profile that writes F.
         """
         ...
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wedmcam.diag import Diagnostic
+from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Axis, Program
 from wedmcam.machines import Machine
@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 
 #: Formats with control words of one kind, a shop's own among them; an M word of ISO is none.
 KIN_3B = frozenset({"3b", "4b"})
+#: What to do with a profile that writes nothing.
+_OTHER = (
+    "write with a profile that writes (iso-mm, sodick, makino, linuxcnc), or with one of your own "
+    "made for the machine; --profile-in reads its programs"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,14 +86,22 @@ class Stated:
         return self.machine.limits.blocks
 
     @property
+    def refuses_written(self) -> Diagnostic | None:
+        """See `Target`."""
+        if self.machine.writes:
+            return None
+        what = f"profile {self.machine.name} reads programs only: it does not state enough to write"
+        return error("reads-only", what, hint=_OTHER)
+
+    @property
     def refuses_carried(self) -> Diagnostic | None:
         """A path can be stated."""
-        return None
+        return self.refuses_written
 
     @property
     def own_path(self) -> Machine:
         """Its own: the program states the path."""
-        return self.machine
+        return self.machine if self.machine.writes else replace(self.machine, writes=True)
 
     @property
     def square_axis(self) -> Axis:
@@ -166,7 +179,11 @@ class Stated:
         )
 
     def write_carried(
-        self, program: Program, entries: Entries, senses: NDArray[np.int64] | None
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
     ) -> tuple[bytes | None, list[Diagnostic]]:
         """See `Target`."""
         data, found = self._encoded(program)
@@ -209,6 +226,17 @@ class Iso(Stated):
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
         return self._encoded(program, feed_um=options.feed_um)
+
+    def write_carried(
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
+    ) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `Target`."""
+        data, found = self._encoded(program, feed_um=feed_um)
+        return data, list(found)
 
     @property
     def stop_word(self) -> str:

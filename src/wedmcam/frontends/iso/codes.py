@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Severity
+from wedmcam.formats import iso
 from wedmcam.frontends.iso.reading import Reading
 from wedmcam.frontends.iso.words import Words
 
 Bools = NDArray[np.bool_]
-
-
-def take_centres_from_start(r: Reading, words: Bools) -> None:
-    """Take what G91.1 says of I and J, whatever an option says."""
-    if not words.any():
-        return
-    if r.dialect.centres == "absolute":
-        r.tell_stated(r.words.line[words][:1], "G91.1", "--centres-in")
-    r.dialect = replace(r.dialect, centres="start")
 
 
 def take_dwells(r: Reading) -> None:
@@ -42,14 +32,30 @@ def take_dwells(r: Reading) -> None:
     r.words = w.without_words(time)
 
 
+def take_tolerances(r: Reading) -> None:
+    """Take P and Q behind G64 out: how far the path may be rounded (LinuxCNC), and no call."""
+    w = r.words
+    blends = (w.letter == ord("G")) & w.good & ~w.pointed & (w.whole == 64)
+    if not blends.any():
+        return
+    here = np.zeros(r.lines, bool)
+    here[w.line[blends]] = True
+    calls = (w.letter == ord("M")) & ~w.pointed & np.isin(w.whole, iso.SUBPROGRAMS)
+    here[w.line[calls]] = False
+    r.words = w.without_words(here[w.line] & ((w.letter == ord("P")) | (w.letter == ord("Q"))))
+
+
 def dotted_codes(r: Reading) -> Bools:
-    """Return which codes with a point change nothing: G17.1 where no arc is."""
+    """Return which codes with a point change nothing: G17.1 where no arc is, and G61.1.
+
+    LinuxCNC's handbook: G61.1 stops exactly at each point. G17.1 is the plane of U and V.
+    """
     w = r.words
     found: Bools = (w.letter == ord("G")) & w.good & w.pointed & (w.decimals == 1)
     if not found.any():
         return found
     arcs = (w.letter == ord("G")) & ~w.pointed & np.isin(w.whole, (2, 3))
-    found &= (w.whole == 171) & (not arcs.any())
+    found &= ((w.whole == 171) & (not arcs.any())) | (w.whole == 611)
     return found
 
 

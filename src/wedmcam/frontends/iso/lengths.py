@@ -10,10 +10,18 @@ from wedmcam.formats import iso
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.dialect import UNSAID
 from wedmcam.frontends.iso.reading import Reading
+from wedmcam.machines import Known
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
+#: What 1 is in a number without a point, nm: in mm and in inches.
+_DIGITS = {
+    "um": (1000, dialects.INCH_DIGIT_NM),
+    "0.0001in": (1000, dialects.INCH_DIGIT_NM),
+    "mm": (iso.NM_OF_MM, iso.NM_OF_INCH),
+    "inch": (iso.NM_OF_MM, iso.NM_OF_INCH),
+}
 #: Coordinates beyond this are an error, nm: a kilometre.
 MOST_NM = 10**12
 
@@ -31,14 +39,12 @@ def lengths_of(
     """
     said, how = r.dialect, r.machine.iso
     um = how.integers == "um"
-    in_inch = (inches == 1) | ((inches == UNSAID) & (said.units_nm == iso.NM_OF_INCH))
-    point = np.where(inches == 1, iso.NM_OF_INCH, iso.NM_OF_MM)
-    if said.units_nm is not None:
-        point = np.where(inches == UNSAID, said.units_nm, point)
-    if said.whole_nm is not None:
-        last = np.full(r.lines, said.whole_nm)
-    else:
-        last = np.where(in_inch, dialects.INCH_DIGIT_NM, 1000 if um else iso.NM_OF_MM)
+    in_inch = (inches == 1) | ((inches == UNSAID) & (point_nm(r, UNSAID) == iso.NM_OF_INCH))
+    systems = [inches == UNSAID, inches == 1]
+    point = np.select(systems, [point_nm(r, k) for k in (UNSAID, 1)], point_nm(r, 0))
+    # What nothing says is an error below; here it needs a value.
+    digits = [digit_nm(r, k) or dialects.INCH_DIGIT_NM for k in (UNSAID, 1, 0)]
+    last = np.select(systems, digits[:2], digits[2])
     out = {}
     bare = np.zeros(r.lines, bool)
     some_pointed = False
@@ -64,15 +70,19 @@ def lengths_of(
         _ask_units(r, inches, in_inch, used, stop_line)
     if not said.named or said.whole_nm is not None:
         return out
-    mixed = np.flatnonzero(bare & in_inch)
-    r.tell_lines(
-        Severity.ERROR,
-        "iso-units",
-        mixed,
-        lambda i: "a whole number in inches: what its last digit is stands nowhere",
-        "write inches with a point, or give --whole-in 0.0001in",
-    )
-    if some_pointed and bare.any() and um:
+    for inch, system, answer in ((1, "inches", "0.0001in"), (0, "mm", "um")):
+        of = [k for k in (inch, UNSAID) if digit_nm(r, k) is None and (k == inch or inch == 1)]
+        mixed = bare & np.isin(inches, of)
+        r.tell_lines(
+            Severity.ERROR,
+            "iso-units",
+            np.flatnonzero(mixed),
+            lambda i, system=system: (  # type: ignore[misc]
+                f"a whole number in {system}: what its last digit is stands nowhere"
+            ),
+            f"write {system} with a point, or give --whole-in {answer}",
+        )
+    if some_pointed and bare.any() and um and not how.words:
         r.tell_lines(
             Severity.WARNING,
             "iso-units",
@@ -81,6 +91,38 @@ def lengths_of(
             'if they are mm, give --whole-in mm, or a profile of integers = "mm" (iso-mm)',
         )
     return out
+
+
+def point_nm(r: Reading, inch: int) -> int:
+    """Return what 1 is in a number with a point, nm; ``inch``: 1 in G20, 0 in G21, or UNSAID."""
+    if inch != UNSAID:
+        return iso.NM_OF_INCH if inch == 1 else iso.NM_OF_MM
+    if r.dialect.units_nm is not None:
+        return r.dialect.units_nm
+    inches = r.dialect.named and r.machine.iso.points == "inch"
+    return iso.NM_OF_INCH if inches else iso.NM_OF_MM
+
+
+def digit_nm(r: Reading, inch: int) -> int | None:
+    """Return what 1 is in a number without a point, nm; None where a named profile does not say.
+
+    A profile says it in its own system of units. In the other one it is the like of it, um and
+    0.0001 in, or mm and inch, where the profile lists the code that changes the system.
+    """
+    said, how = r.dialect, r.machine.iso
+    if said.whole_nm is not None:
+        return said.whole_nm
+    if not said.named:
+        in_inch = inch == 1 or (inch == UNSAID and point_nm(r, UNSAID) == iso.NM_OF_INCH)
+        return dialects.INCH_DIGIT_NM if in_inch else _DIGITS[how.integers][0]
+    of_inch = how.integers in ("inch", "0.0001in")
+    if inch == UNSAID:
+        if said.units_nm is None:
+            return _DIGITS[how.integers][of_inch]
+        inch = int(said.units_nm == iso.NM_OF_INCH)
+    codes = (200, 700) if inch == 1 else (210, 710)
+    knows = any(how.words.class_of("G", code) is Known.PATH for code in codes)
+    return _DIGITS[how.integers][inch] if knows or of_inch == bool(inch) else None
 
 
 def _ask_units(

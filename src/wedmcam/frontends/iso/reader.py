@@ -20,28 +20,43 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
 from wedmcam.formats import b3, iso
 from wedmcam.frontends.iso import dialect as dialects
-from wedmcam.frontends.iso.arcs import centres_of, fits, grid, nearest, stepped_arcs
+from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs
+from wedmcam.frontends.iso.centres import (
+    CODES,
+    Centres,
+    Rules,
+    ask,
+    centres_by_rule,
+    rules_of,
+    tell_far,
+)
 from wedmcam.frontends.iso.codes import (
     condition_words,
     dotted_codes,
     moving_frames,
-    take_centres_from_start,
     take_dwells,
+    take_tolerances,
 )
 from wedmcam.frontends.iso.dialect import UNSAID, Dialect
+from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who_knows
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
 from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
+from wedmcam.frontends.iso.subprograms import ends_of, run_subprograms
 from wedmcam.frontends.iso.table import Tables, modes_of
+from wedmcam.frontends.iso.tape import behind, take_end, take_number
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import TextSpans
 from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
-from wedmcam.machines import Machine
+from wedmcam.machines import Known, Machine
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
+
+#: Motion behind G80, which ends the one before.
+NO_MOTION = -80
 
 
 def decode(
@@ -86,27 +101,41 @@ def read(
         dialect: as for `decode`.
     """
     r = Reading(data, machine, file, dialect or Dialect())
+    take_end(r)
     _tell_text(r)
+    run_subprograms(r)
+    take_number(r)
     take_dwells(r)
+    take_tolerances(r)
+    classes = take_known(r)
     w = r.words
     g, m = w.letter == ord("G"), w.letter == ord("M")
     whole = w.good & ~w.pointed & (w.whole >= 0)
-    err, warn = Severity.ERROR, Severity.WARNING
+    err = Severity.ERROR
     r.tell_words(err, "iso-word", ~w.good, "no number that can be read behind the letter")
-    # G91.1, the only code with a point that is known: I and J lead from the start.
-    from_start = g & w.good & w.pointed & (w.whole == 911) & (w.decimals == 1)
-    take_centres_from_start(r, from_start)
+    # Codes with a point: G90.1 and G91.1, and some that change nothing.
+    rule = g & w.good & w.pointed & np.isin(w.whole, list(CODES)) & (w.decimals == 1)
     dotted = dotted_codes(r)
+    refused, foreign = classes == Known.REFUSED, unlisted(r, classes, g & w.good)
     r.tell_words(
         err,
         "iso-word",
-        w.good & (g | m) & ~whole & ~from_start & ~dotted,
+        w.good & (g | m) & ~whole & ~rule & ~dotted & ~refused & ~foreign,
         "a code is a whole number",
     )
-    g, m = g & whole, m & whole
+    r.tell_words(
+        err,
+        "iso-code",
+        foreign,
+        f"a code that the profile {r.machine.name} does not name",
+        who_knows(r, foreign, "name another profile, or take it out where it changes no path"),
+    )
+    runs = whole & ~refused & ~foreign
+    g, m = g & runs, m & runs
+    rule, dotted = (codes & ~foreign & ~refused for codes in (rule, dotted))
 
     modal: dict[str, tuple[Ints, Bools]] = {}
-    for name in ("motion", "distance", "inch", "comp", "g92"):
+    for name in ("motion", "distance", "inch", "comp", "g92", "centres"):
         modal[name] = (np.zeros(r.lines, np.int64), np.zeros(r.lines, bool))
 
     def set_mode(name: str, mask: Bools, values: Ints) -> None:
@@ -121,6 +150,8 @@ def read(
 
     code = w.whole
     set_mode("motion", g & (code <= 3), code)
+    _end_motion(w.line[g & (code == 80)], *modal["motion"])
+    set_mode("centres", rule, code)
     set_mode("distance", g & ((code == 90) | (code == 91)), code)
     inch = g & np.isin(code, (20, 21, 70, 71))
     set_mode("inch", inch, (code % 50 == 20).astype(np.int64))
@@ -131,21 +162,30 @@ def read(
     known = work | g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
     idle = g & np.isin(code, iso.NOTHING_NEW)
     work_idle = work & ~moving_frames(r, work)
-    quiet = idle | dotted | from_start | work_idle
+    places = rule & (code == 901)
+    quiet = (idle | dotted | rule | work_idle) & ~places
+    why = "I and J are the place of the centre from here on"
+    r.tell_words(Severity.NOTE, "iso-ignored", places, why)
     r.tell_words(Severity.NOTE, "iso-ignored", quiet, "nothing of the path changes by it")
+    unknown = g & ~known & ~idle
     r.tell_words(
         err,
         "iso-code",
-        g & ~known & ~idle,
+        unknown,
         "a code that is not known here and may change the path",
-        "known are G00 to G04, G17, G20, G21, G40 to G42, G54 to G59, G70, G71, G80, G90 to G92",
+        who_knows(
+            r,
+            unknown,
+            "known are G00 to G04, G17, G20, G21, G40 to G42, G54 to G59, G70, G71, G80, "
+            "G90 to G92",
+        ),
     )
     axes = {k: column(r, k) for k in "XYIJR"}
     offsets = comp & (code != 40)
     names = b"GMXYIJRNDH" if offsets.any() else b"GMXYIJRN"
     inches = filled(*modal["inch"], UNSAID)
     modes = modes_of(r, modal["comp"], offsets, Tables(table, assumed, inches))
-    other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8))
+    other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8)) & ~refused
     condition = other & condition_words(w)
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
     third &= ~condition
@@ -153,20 +193,38 @@ def read(
     calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
     feed = other & (w.letter == ord("F")) & bool(r.machine.iso.feed_um)
     r.tell_words(Severity.NOTE, "iso-ignored", feed, "the cutting speed: it changes no path")
-    r.tell_words(
-        warn,
-        "iso-ignored",
-        other & ~third & ~calls & ~feed,
-        "not read: it changes no path",
-        "feed, generator and offset tables are set at the machine",
-    )
+    _tell_others(r, other & ~third & ~calls & ~feed & (classes != Known.PATH))
     distance = filled(*modal["distance"], UNSAID)
     motion = filled(*modal["motion"], -1)
     reset = modal["g92"][1]
     if r.machine.iso.start == "move":
         reset = reset | _start(axes, motion, reset)
-    calls |= m & np.isin(code, iso.SUBPROGRAMS)
-    return _program(r, axes, distance, motion, inches, reset, m, np.flatnonzero(calls), modes)
+    calls |= m & np.isin(code, iso.SUBPROGRAMS) & ~np.isin(code, ends_of(r.subprograms))
+    rules = rules_of(r, *modal["centres"])
+    calling = np.flatnonzero(calls)
+    return _program(r, axes, distance, motion, inches, reset, m, calling, modes, rules)
+
+
+def _end_motion(lines: Ints, motion: Ints, has: Bools) -> None:
+    """End the motion in force where G80 stands alone: the next place needs a word of its own.
+
+    LinuxCNC's handbook: G80 is of the group of G00 to G03, and a place while it is in force is an
+    error. Other controllers go on in the old motion.
+    """
+    alone = lines[~has[lines]]
+    motion[alone], has[alone] = NO_MOTION, True
+
+
+def _tell_others(r: Reading, mask: Bools) -> None:
+    """Report words that are left out, and that no profile which was named knows."""
+    named = bool(vocabulary_of(r))
+    hint = "feed, generator and offset tables are set at the machine"
+    if named:
+        why = f"no word of the profile {r.machine.name}; left out: nothing is known of it"
+        r.tell_words(Severity.WARNING, "unknown-word", mask, why, who_knows(r, mask, hint))
+        return
+    why = "not read: it changes no path"
+    r.tell_words(Severity.WARNING, "iso-ignored", mask, why, who_knows(r, mask, hint))
 
 
 def _start(axes: dict[str, tuple[Ints, Bools, Bools, Ints]], motion: Ints, reset: Bools) -> Bools:
@@ -239,6 +297,7 @@ def _program(
     m: Bools,
     calls: Ints,
     modes: Modes | None,
+    rules: Rules,
 ) -> tuple[Programmed, list[Diagnostic]]:
     w = r.words
     has = {k: axes[k][1] for k in axes}
@@ -248,17 +307,25 @@ def _program(
     # M words end at which line? What follows is not read.
     m_rows = np.flatnonzero(m)
     codes, m_lines = w.whole[m_rows], w.line[m_rows]
-    stop = m_rows[np.isin(codes, iso.ENDS)][:1]
+    ends = ends_of(r.subprograms)
+    stop = m_rows[np.isin(codes, ends)][:1]
     stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
     calls = calls[w.line[calls] <= stop_line]
-    r.questions += dialects.of_subprograms(calls, w, r.plain)
+    r.questions += dialects.of_repeats(calls, w, r.plain)
     nm = lengths_of(r, axes, inches, (moves | reset, curved), stop_line)
     distance = distance_of(r, distance, moves & (has["X"] | has["Y"]), stop_line)
     r.tell_lines(
         Severity.ERROR,
         "iso-code",
-        np.flatnonzero(moves & (motion < 0)),
+        np.flatnonzero(moves & (motion == UNSAID)),
         lambda i: "coordinates before any G00, G01, G02 or G03",
+    )
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-code",
+        np.flatnonzero(moves & (motion == NO_MOTION)),
+        lambda i: "coordinates behind G80, and no G00, G01, G02 or G03 before them",
+        "G80 ends the motion at some controllers: say the motion on this line",
     )
     r.tell_lines(
         Severity.ERROR,
@@ -282,7 +349,7 @@ def _program(
 
     late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
     if len(late):
-        what = f"{len(late)} blocks behind the end (M02) are not run"
+        what = behind(len(late), f"M{codes[np.isin(codes, ends)][0]:02d}")
         r.found.append(
             (
                 int(w.line_start[late[0]]),
@@ -296,14 +363,16 @@ def _program(
         for k in "XY":
             still &= grid(starts_nm[k][rows]) == grid(ends_nm[k][rows])
         runs = runs_of(r, rows, motion[rows], still & (motion[rows] < 2), modes)
-    # How far the zero of I and J lies from the start of each arc, were they places (G90).
-    away = {k: np.where(distance == 90, befores[k], 0) for k in "XY"}
-    blocks, block_line, motions = _blocks(r, rows, motion, nm, has, starts_nm, ends_nm, away, runs)
+    arcs = rows[motion[rows] >= 2]
+    by_rule = centres_by_rule(arcs, rules, nm, distance == 90, befores, starts_nm, ends_nm)
+    blocks, block_line, motions = _blocks(
+        r, rows, motion, nm, has, starts_nm, ends_nm, by_rule, runs
+    )
 
     unknown = np.zeros(len(w.letter), bool)
     kinds = np.full(len(m_rows), int(Kind.WORD))
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
-    kinds[np.isin(codes, iso.ENDS)] = Kind.STOP
+    kinds[np.isin(codes, ends)] = Kind.STOP
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
     plain_word &= m_lines <= stop_line
     turns = np.zeros(len(w.letter), bool)
@@ -313,7 +382,7 @@ def _program(
         "iso-code",
         turns,
         "turns the part or changes modes at some machines",
-        "no profile knows what it does; take it out where it changes no path",
+        who_knows(r, turns, "no profile knows what it does; take it out where it changes no path"),
     )
     unknown[m_rows[plain_word]] = True
     unknown &= ~turns
@@ -321,7 +390,10 @@ def _program(
         Severity.WARNING,
         "unknown-word",
         unknown,
-        "an M word that is not known here; kept as a control record",
+        f"no M word of the profile {r.machine.name}; kept as a control record"
+        if vocabulary_of(r)
+        else "an M word that is not known here; kept as a control record",
+        who_knows(r, unknown, "a profile of your own can say what it does: [iso.words]"),
     )
     keep = m_lines <= stop_line
     if len(stop):
@@ -357,7 +429,7 @@ def _blocks(
     has: dict[str, Bools],
     starts_nm: dict[str, Ints],
     ends_nm: dict[str, Ints],
-    away: dict[str, Ints],
+    centres: Centres,
     runs: Runs | None,
 ) -> tuple[NDArray[np.void], Ints, NDArray[np.void]]:
     """Return the blocks of the motions in ``rows``, the line of each, and the motions of runs.
@@ -372,14 +444,8 @@ def _blocks(
         starts_nm["Y"][arcs] == ends_nm["Y"][arcs]
     )
     by_radius = has["R"][arcs]
-    shifts = [away[k][arcs] for k in "XY"]
-    centres_nm = [starts_nm[a][arcs] + nm[b][arcs] for a, b in ("XI", "YJ")]
-    by_place = r.dialect.centres == "absolute"
-    if by_place:
-        centres_nm = [c - d for c, d in zip(centres_nm, shifts, strict=True)]
-        shifts = [-d for d in shifts]
-    exact = [c / 1000.0 for c in centres_nm]
-    cx, cy = map(grid, centres_nm)
+    exact = [c / 1000.0 for c in centres.exact_nm]
+    cx, cy = map(grid, centres.exact_nm)
     both = by_radius & (has["I"] | has["J"])[arcs]
     neither = ~by_radius & ~(has["I"] | has["J"])[arcs]
     err = Severity.ERROR
@@ -390,9 +456,8 @@ def _blocks(
 
     tell(both, lambda i: "both a centre (I, J) and a radius R")
     tell(neither, lambda i: "an arc without a centre (I, J) or a radius R")
-    if by_place:
-        alone = (has["I"] ^ has["J"])[arcs] & ((shifts[0] != 0) | (shifts[1] != 0)) & ~both
-        tell(alone, lambda i: "I or J alone: the place of a centre is both")
+    alone = (has["I"] ^ has["J"])[arcs] & centres.by_place & (centres.shift > 0) & ~both
+    tell(alone, lambda i: "I or J alone: the place of a centre is both")
     tell(
         by_radius & same_nm, lambda i: "R with an end that is the start: the centre may be anywhere"
     )
@@ -411,27 +476,17 @@ def _blocks(
         ),
     )
     off = np.abs(reach - radius)
-    far = off > iso.END_UM
-    other = np.zeros(len(arcs), bool)
-    if r.dialect.is_open(r.dialect.centres) or far.any():
-        ends = [(starts_nm[k][arcs] / 1000.0, ends_nm[k][arcs] / 1000.0) for k in "XY"]
-        shifted = (np.hypot(*shifts) > 1000) & ~by_radius & ~neither
-        this = shifted & fits(ends, exact)
-        other = shifted & fits(ends, [c - d / 1000.0 for c, d in zip(exact, shifts, strict=True)])
-        both_fit = this & other & ~r.bad[arcs]
-        if r.dialect.is_open(r.dialect.centres) and both_fit.any() and not (this ^ other).any():
-            first = int(arcs[np.argmax(both_fit)])
-            r.questions += dialects.of_centres(first, int(both_fit.sum()), r.words, r.plain)
-    rule = "start" if by_place else "absolute"
-    tell(
-        far,
+    stated = ~by_radius & ~neither
+    ask(r, arcs, stated, centres)
+    tell_far(
+        tell,
+        off > iso.END_UM,
+        stated,
         lambda i: (
             f"the end lies {off[i]:.1f} um from the circle: the start is {radius[i] / 1000:.3f} mm "
             f"from the centre, the end {reach[i] / 1000:.3f} mm"
         ),
-        f"I and J fit as --centres-in {rule} reads them"
-        if (far & other).any()
-        else "check I and J: from the start to the centre, signed",
+        centres,
     )
     motions = np.zeros(0, PROGRAMMED)
     if runs is not None:

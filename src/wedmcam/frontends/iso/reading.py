@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats.listing import in_order, listed
-from wedmcam.frontends.iso.dialect import Dialect, Question
+from wedmcam.frontends.iso.dialect import Dialect, Question, completed
 from wedmcam.frontends.iso.offsets import tables_of
-from wedmcam.frontends.iso.words import Words, words_of
+from wedmcam.frontends.iso.words import Words, with_numbers, words_of
 from wedmcam.frontends.plain import Plain, TextSpans, plain
 from wedmcam.machines import Machine
 
@@ -25,13 +25,17 @@ _DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 
 
 class Reading:
-    """Findings of one text, and its lines as columns."""
+    """Findings of one text, and its lines as columns.
+
+    ``said`` is what was said beside the text, ``dialect`` that and what its profile says.
+    """
 
     def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
-        self.machine, self.file, self.dialect = machine, file, dialect
-        codes, self.entries, self.conditions = tables_of(self.plain.codes)
-        self.words: Words = words_of(codes, dialect.semicolon == "block")
+        self.machine, self.file = machine, file
+        self.said, self.dialect = dialect, completed(dialect, machine.iso)
+        codes, self.entries, self.conditions = tables_of(with_numbers(self.plain.codes))
+        self.words: Words = words_of(codes, self.dialect.semicolon == "block")
         self.lines = len(self.words.line_start)
         self.titles = self.words.titles()
         if len(self.titles):
@@ -41,6 +45,32 @@ class Reading:
         self.found: list[tuple[int, Diagnostic]] = []
         self.questions: list[Question] = []
         self.bad: Bools = np.zeros(self.lines, bool)
+        #: How subprograms are run, as the user or the profile says; None where neither does.
+        self.subprograms: str | None = dialect.subprograms
+        if dialect.named and dialect.subprograms is None and machine.iso.subprograms != "none":
+            self.subprograms = machine.iso.subprograms
+        #: Of each line that is run its line in the text; None where that is the same.
+        self.order: Ints | None = None
+        #: Calls are not run: what is found on the path is another's.
+        self.unrun = False
+        self._ends = self.words.line_end
+        self._first_run = np.zeros(0, np.int64)
+
+    def run_in(self, order: Ints) -> None:
+        """Put lines of the text in the order in which they are run: often, once, or not at all."""
+        self.order = order
+        self._first_run = np.full(self.lines, len(order) - 1)
+        self._first_run[order[::-1]] = np.arange(len(order))[::-1]
+        self.words = self.words.in_order(order)
+        self.bad = self.bad[order]
+        self.lines = len(order)
+        size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
+        self.spans = TextSpans(self.file, self.plain.codes, self.words.line_start, size)
+
+    def line_of(self, at: int) -> int:
+        """Return the first line that is run of which a character is; the last for one of none."""
+        line = int(np.searchsorted(self._ends, at))
+        return line if self.order is None else int(self._first_run[line])
 
     def tell_words(
         self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None
@@ -51,10 +81,14 @@ class Reading:
         """
         w = self.words
         where = np.flatnonzero(mask)
+        if severity is Severity.ERROR:
+            self.bad[w.line[where]] = True
+        if self.order is not None:  # once for each place in the text
+            where = where[np.unique(w.start[where], return_index=True)[1]]
         if severity is not Severity.ERROR:
             if len(where):
                 at, end = int(w.start[where[0]]), int(w.end[where[0]])
-                what = f"{self._named(where)}: {why}"
+                what = f"{self.named(where)}: {why}"
                 place = self.spans.at(at, end - at)
                 count = len(where)
                 self.found.append(
@@ -70,9 +104,8 @@ class Reading:
             hint,
         ):
             self.found.append((int(w.start[i]), d))
-        self.bad[w.line[where]] = True
 
-    def _named(self, where: Ints) -> str:
+    def named(self, where: Ints) -> str:
         """Return the different ones of some words, in their order, each with its count."""
         w = self.words
         # Letter, digits and decimals as one number: 12 digits leave room for both.
@@ -97,12 +130,15 @@ class Reading:
         hint: str | None = None,
     ) -> None:
         """Report lines, by index into ``where``; of warnings the first, with how many there are."""
-        quiet = severity is not Severity.ERROR and len(where) > 1
-        many = f" ({len(where)} lines)" if quiet else ""
+        places = np.arange(len(where))
+        if self.order is not None:  # once for each line of the text
+            places = np.unique(self.order[where], return_index=True)[1]
+        quiet = severity is not Severity.ERROR and len(places) > 1
+        many = f" ({len(places)} lines)" if quiet else ""
         for i, d in listed(
             severity,
             code,
-            np.arange(len(where)),
+            places,
             lambda i: self.spans[int(where[i])],
             lambda i: message(i) + many,
             hint,
@@ -117,7 +153,7 @@ class Reading:
         shown = self.dialect.shown
         asked = [q.finding(self.spans, shown) for q in questions]
         found = in_order(self.found)
-        if asked and not shown:  # what depends on the answers is said with them
+        if (asked and not shown) or self.unrun:  # what depends on the answers is said with them
             found = [d for d in found if d.code not in _DEPEND]
         return [*asked, *found]
 

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import FileSpan, Severity, error, note, warning
-from wedmcam.formats import iso
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.dialect import UNSAID
-from wedmcam.frontends.iso.lengths import MOST_NM
+from wedmcam.frontends.iso.lengths import MOST_NM, digit_nm, point_nm
 from wedmcam.frontends.iso.modes import Modes, Table
 from wedmcam.frontends.iso.reading import Reading, column, filled
 
@@ -77,12 +76,20 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         return None
     d = filled(value, has, -1)
     used: list[int] = np.unique(d[r.words.line[offsets]]).tolist()
-    filed = _filed(r, tables.inches, int(r.words.start[np.argmax(offsets)]))
+    first = int(np.argmax(offsets))
+    filed = _filed(r, tables.inches, (int(r.words.line[first]), int(r.words.start[first])))
     if filed is None:
         return None
     table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
     missing = [n for n in used if n not in filed] if tables.given is None else []
-    if letter == "D":  # D0 is no offset; H000 is an entry like others at some controllers
+    if letter == "D" and how.offset_word == "either" and 0 in used and table(0) is None:
+        what = "D0 is read as no offset; at some machines it is an entry of the table like others"
+        first = np.flatnonzero(offsets)[:1]
+        hint = "--d 0=LENGTH says what is entered there"
+        place = r.spans[int(r.words.line[first[0]])]
+        r.found.append(
+            (int(r.words.start[first[0]]), warning("iso-offsets", what, place, hint=hint))
+        )
         table = _none_for_0(table)
         missing = [n for n in missing if n != 0]
     if missing:
@@ -146,25 +153,25 @@ def _tell_tables(r: Reading, used: bool) -> None:
         r.found.append((one.at, note("iso-offsets", what, place, count=size)))
 
 
-def _filed(r: Reading, inches: Ints, first_use: int) -> dict[int, float] | None:
+def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, float] | None:
     """Return the offsets of the file's own table, number to um; None where it cannot be read.
 
-    ``first_use``: where in the text the first G41 or G42 stands.
+    ``first_use``: the line that runs the first G41 or G42, and where in the text that stands.
     """
     stated = np.unique(inches[inches != UNSAID])
     nm: dict[int, Decimal] = {}
     wrong = False
     for entry in r.entries:
-        line = int(np.searchsorted(r.words.line_end, entry.at))
+        line = r.line_of(entry.at)
         inch = int(inches[line]) if len(stated) != 1 else int(stated[0])
-        point, digit = _entry_units(r, inch)
+        point, digit = point_nm(r, inch), digit_nm(r, inch)
         value = entry.pointed * point + entry.whole * (digit or 0)
         value += sum(sign * nm.get(n, Decimal(0)) for sign, n in entry.refers)
         unset = [n for _, n in entry.refers if n not in nm]
         problem = None
         if unset:
             problem = f"H{unset[0]} is set nowhere before it"
-        elif entry.at > first_use:
+        elif (line, entry.at) > first_use:
             problem = "it is set behind the first G41 or G42: what was in force there is not known"
         elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
             problem = "the file has inches and mm, and neither is in force here"
@@ -186,19 +193,6 @@ def _filed(r: Reading, inches: Ints, first_use: int) -> dict[int, float] | None:
     r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
     half = 2 if r.machine.iso.offsets == "diameter" else 1
     return None if wrong else {n: float(v / 1000 / half) for n, v in nm.items()}
-
-
-def _entry_units(r: Reading, inch: int) -> tuple[int, int | None]:
-    """Return what 1 is in a table with a point and without one, nm; None where nothing says it."""
-    said = r.dialect
-    point = iso.NM_OF_INCH if inch == 1 else iso.NM_OF_MM
-    if inch == UNSAID and said.units_nm is not None:
-        point = said.units_nm
-    if said.whole_nm is not None:
-        return point, said.whole_nm
-    if point == iso.NM_OF_INCH:
-        return point, dialects.INCH_DIGIT_NM if said.is_open(None) else None
-    return point, 1000 if r.machine.iso.integers == "um" else iso.NM_OF_MM
 
 
 def _merged(

@@ -84,12 +84,10 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
     missing = [n for n in used if n not in filed] if tables.given is None else []
     if letter == "D" and how.offset_word == "either" and 0 in used and table(0) is None:
         what = "D0 is read as no offset; at some machines it is an entry of the table like others"
-        first = np.flatnonzero(offsets)[:1]
+        at = int(np.argmax(offsets))
         hint = "--d 0=LENGTH says what is entered there"
-        place = r.spans[int(r.words.line[first[0]])]
-        r.found.append(
-            (int(r.words.start[first[0]]), warning("iso-offsets", what, place, hint=hint))
-        )
+        place = r.spans[int(r.words.line[at])]
+        r.found.append((int(r.words.start[at]), warning("iso-offsets", what, place, hint=hint)))
         table = _none_for_0(table)
         missing = [n for n in missing if n != 0]
     if missing:

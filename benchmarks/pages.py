@@ -266,8 +266,9 @@ def codes_page(shown: dict[str, dict[str, str]]) -> str:
 def profiles_page() -> str:
     """Return docs/profiles.md."""
     from wedmcam import machines
-    from wedmcam.machines.printed import about, entries, section_types
+    from wedmcam.machines.printed import Entry, about, entries, section_types
     from wedmcam.machines.profile import FORMATS
+    from wedmcam.machines.vocabulary import Vocabulary
 
     lines = [
         "# Profiles",
@@ -289,7 +290,11 @@ def profiles_page() -> str:
         mark = " (default)" if machines.DEFAULTS.get(machine.format) == name else ""
         lines.append(f"| `{name}` | {machine.format}{mark} | {machine.title} |")
     section = None
+    words: list[Entry] = []
     for entry in entries():
+        if entry.section.startswith("iso.words."):
+            words.append(entry)
+            continue
         if entry.section != section:
             section = entry.section
             title = f"`[{section}]`" if section else "At the top"
@@ -305,6 +310,10 @@ def profiles_page() -> str:
         formats = "all" if entry.formats == FORMATS else ", ".join(entry.formats)
         takes, means = (t.replace("|", "\\|") for t in (entry.takes, entry.means))
         lines.append(f"| `{entry.key}`{must} | {takes} | {formats} | {means} |")
+    lines += ["", "## `[iso.words]`", ""]
+    lines += [line for p in about(Vocabulary) for line in (*wrap(p, 88), "")]
+    lines += ["| table | keys | means |", "|---|---|---|"]
+    lines += [f"| `[{e.section}]` | {e.takes} | {e.means} |" for e in words]
     return "\n".join(lines) + "\n"
 
 

@@ -25,7 +25,7 @@ from wedmcam.options import READING, Options, WrongUse, check_reading, nm_of
 from wedmcam.targets import Entries, Target, target_of
 
 if TYPE_CHECKING:
-    from wedmcam.frontends.dialect import Dialect
+    from wedmcam.frontends.iso.dialect import Dialect
     from wedmcam.judge.difference import Difference
     from wedmcam.judge.verdict import Verdict
 
@@ -338,7 +338,7 @@ def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -
     Raises:
         WrongUse: no such keyword or answer.
     """
-    from wedmcam.frontends.dialect import Dialect
+    from wedmcam.frontends.iso.dialect import Dialect
 
     check_reading(said)
     units, whole = (
@@ -351,6 +351,7 @@ def _dialect(said: Mapping[str, str | None], named: bool, shown: bool = False) -
         whole_nm=whole,
         centres=said.get("centres_in"),
         semicolon=said.get("semicolon_in"),
+        subprograms=said.get("subprograms_in"),
         named=named,
         shown=shown,
     )
@@ -489,7 +490,8 @@ def verify(
         against: the drawing; None only decodes, runs and tells the figures.
         profile: of the program; None for that of the certificate, else the default of its format.
             An ISO program then has to say itself what its numbers mean, or the options
-            ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``, ``semicolon_in`` do.
+            ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``, ``semicolon_in``,
+            ``subprograms_in`` do.
         format: of the program; None to tell by its name and its content.
         name: of the program in findings.
         against_name: of the drawing.
@@ -629,7 +631,7 @@ def read_program(
         shown: the program is only shown: what it leaves open is assumed, and said first. Else it is
             refused.
         **said: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``,
-            ``semicolon_in``, as in `Options`.
+            ``semicolon_in``, ``subprograms_in``, as in `Options`.
 
     Raises:
         WrongUse: an unknown format or profile, or something else said.

@@ -41,8 +41,9 @@ READING: dict[str, tuple[str, ...]] = {
     "units_in": ("mm", "um", "inch"),
     "whole_in": ("um", "mm", "inch"),
     "coordinates_in": ("absolute", "incremental"),
-    "centres_in": ("start", "absolute"),
+    "centres_in": ("start", "absolute", "to-start"),
     "semicolon_in": ("block", "comment"),
+    "subprograms_in": ("N-label", "O-number", "none"),
 }
 #: Sides that need an offset.
 SIDED = (Side.PART, Side.DIE, Side.LEFT, Side.RIGHT)
@@ -156,9 +157,10 @@ class Options:
             G21 stands, "mm", "um" or "inch"; None where nobody says it.
         whole_in: what 1 is in a number without a point: "um", "mm", "inch", or a length ("10um").
         coordinates_in: "absolute" or "incremental", before the first G90 or G91.
-        centres_in: "start" (I and J lead from the start to the centre) or "absolute" (they are its
-            place).
+        centres_in: "start" (I and J lead from the start to the centre), "absolute" (they are its
+            place) or "to-start" (they lead from the centre to the start).
         semicolon_in: what stands behind a semicolon, a "block" or a "comment".
+        subprograms_in: what M98 runs: from an "N-label" to M99, an "O-number", or "none".
         wishes: names of the fields that were asked for with this source in mind (typed; wire_um
             and gap_um beside offset_um where they state it), in contrast to the defaults of a
             shop; None where whatever is not the usual counts as a wish. They change no program: a
@@ -209,6 +211,7 @@ class Options:
     coordinates_in: str | None = None
     centres_in: str | None = None
     semicolon_in: str | None = None
+    subprograms_in: str | None = None
     wishes: frozenset[str] | None = None
 
     def __post_init__(self) -> None:

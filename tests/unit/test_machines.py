@@ -128,3 +128,106 @@ def test_the_fingerprint_of_a_profile_is_of_its_values_alone():
     assert len({fingerprint(machines.builtin(n)) for n in machines.names()}) == len(
         machines.names()
     )
+
+
+# --- words of ISO ---------------------------------------------------------------------------------
+
+ISO = GOOD.replace('"3b"', '"iso"') + "[iso]\n"
+WORDS = (
+    ISO + 'subprograms = "N-label"\nsemicolon = "block"\nij = "to-start"\npoints = "inch"\n'
+    'integers = "0.0001in"\noffsets = "diameter"\noffset_word = "H"\n'
+    '[iso.words.harmless]\nM20 = "threads the wire"\nT = "pumps"\nM80-M85 = "feeds"\n'
+    '"G61.1" = "exact stop"\nC000-C999 = "conditions"\n'
+    '[iso.words.refused]\nM60 = "turns the part"\nM84 = "unknown"\n'
+    '[iso.words.path]\nM98 = "calls"\nG00-G03 = "motion"\n"G91.1" = "centres"\n'
+)
+
+
+def test_words_of_a_dialect():
+    machine, found = machines.parse(WORDS, "t.toml")
+    assert found == []
+    words = machine.iso.words
+    assert words.harmless[0] == ("M20", "threads the wire")
+    told = {
+        ("M", 200): "HARMLESS",
+        ("M", 80): "NOT",
+        ("T", 840): "HARMLESS",
+        ("T", 15): "HARMLESS",
+        ("T", -1): "HARMLESS",
+        ("M", 840): "REFUSED",
+        ("M", 850): "HARMLESS",
+        ("M", 855): "NOT",
+        ("M", 600): "REFUSED",
+        ("G", 911): "PATH",
+        ("G", 611): "HARMLESS",
+        ("G", 610): "NOT",
+        ("G", 20): "PATH",
+        ("C", 10): "HARMLESS",
+        ("C", 10_000): "NOT",
+        ("X", 10): "NOT",
+    }
+    assert {k: words.class_of(*k).name for k in told} == told
+    assert words.lists_codes
+    again, found = machines.parse(as_toml(machine), "t.toml")
+    assert (again, found) == (machine, [])
+    other, _ = machines.parse(WORDS.replace("M60 =", "M61 ="), "t.toml")
+    assert fingerprint(other) != fingerprint(machine)
+    assert not machines.builtin("iso-um").iso.words
+
+
+@pytest.mark.parametrize(
+    ("table", "line", "said"),
+    [
+        ("harmless", 'MOVE = "x"', "is no key"),
+        ("harmless", 'm20 = "x"', "is no key"),
+        ("harmless", 'M85-M80 = "x"', "backwards"),
+        ("harmless", 'M = "x"', "one by one"),
+        ("refused", 'G = "x"', "one by one"),
+        ("harmless", "M20 = 5", "plain words"),
+        ("harmless", 'M20 = ""', "plain words"),
+        ("harmless", 'M2 = "x"', "known to every controller"),
+        ("refused", 'M00 = "x"', "known to every controller"),
+        ("refused", 'M25-M35 = "x"', "known to every controller"),
+        ("harmless", 'X = "x"', "is a place"),
+        ("harmless", 'U = "x"', "is a place"),
+        ("harmless", 'G00-G09 = "x"', "holds G0, which the reader runs"),
+        ("harmless", 'M98 = "x"', "holds M98, which the reader runs"),
+        ("path", 'M20 = "x"', "cannot run"),
+        ("path", 'G05 = "x"', "cannot run"),
+        ("path", 'G00-G05 = "x"', "holds G5, which the reader cannot run"),
+        ("path", 'Q = "x"', "cannot run"),
+        ("path", 'M98 = "x"', "takes 'iso.subprograms'"),
+    ],
+)
+def test_wrong_words(table, line, said):
+    text = ISO + f"[iso.words.{table}]\n{line}\n"
+    machine, found = machines.parse(text, "t.toml")
+    assert machine is None
+    assert [d.code for d in found] == ["profile-value"]
+    assert said in found[0].message
+    assert str(found[0].span) == f"t.toml:{len(text.splitlines())}:1"
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "wrong"),
+    [
+        ('M20 = "a"', 'M20 = "b"', True),
+        ('M8 = "a"', 'M08 = "b"', True),
+        ('T = "a"', 'T = "b"', True),
+        ('M80-M85 = "a"', 'M83-M88 = "b"', True),
+        ('M80-M85 = "a"', 'M83 = "b"', False),
+        ('T = "a"', 'T84 = "b"', False),
+        ('C000-C999 = "a"', 'C100-C200 = "b"', False),
+    ],
+)
+def test_no_word_is_of_two_classes(one, two, wrong):
+    text = ISO + f"[iso.words.harmless]\n{one}\n[iso.words.refused]\n{two}\n"
+    assert codes(text) == ["profile-value"] * wrong
+    assert codes(ISO + '[iso.words.harmless]\nM8 = "a"\nM08 = "b"\n') == ["profile-value"]
+
+
+def test_wrong_tables_of_words():
+    assert codes(ISO + "words = 3\n") == ["profile-value"]
+    assert codes(ISO + "[iso.words]\nharmless = 3\n") == ["profile-value"]
+    assert codes(ISO + '[iso.words.harmles]\nM20 = "a"\n') == ["profile-key"]
+    assert codes(GOOD + '[iso.words.harmless]\nM20 = "a"\n') == ["profile-key"]

@@ -224,12 +224,16 @@ def _reading(suffix: str = "", of: str = "Of an ISO program: ") -> list[Callable
             "what holds before the first G90 or G91.",
         ),
         "centres-in": (
-            {"type": click.Choice(["start", "absolute"])},
-            "I and J lead from the start to the centre, or are its place.",
+            {"type": click.Choice(["start", "absolute", "to-start"])},
+            "I and J lead from the start to the centre, are its place, or lead to the start.",
         ),
         "semicolon-in": (
             {"type": click.Choice(["block", "comment"])},
             "what stands behind a semicolon.",
+        ),
+        "subprograms-in": (
+            {"type": click.Choice(["N-label", "O-number", "none"], case_sensitive=False)},
+            "M98 P0001 runs from the line N0001, or O0001, to M99.",
         ),
     }
     return [

@@ -684,7 +684,7 @@ def identify_command(file: str, json_: bool) -> int:
 def _unsaid(data: bytes, file: str) -> list[Diagnostic]:
     """Return what an ISO program leaves open to its machine."""
     from wedmcam import api
-    from wedmcam.frontends.dialect import QUESTIONS
+    from wedmcam.frontends.iso.dialect import QUESTIONS
 
     _, _, found = api.read_program(data, format="iso", name=_name(file), shown=True)
     return [d for d in found if d.code in QUESTIONS]
@@ -787,7 +787,7 @@ def _explain_block(
     from wedmcam import api
     from wedmcam.cli import say
     from wedmcam.cli.block import explain_block
-    from wedmcam.frontends.dialect import QUESTIONS
+    from wedmcam.frontends.iso.dialect import QUESTIONS
     from wedmcam.targets import Entries
 
     machine = machine_for(file, profile)

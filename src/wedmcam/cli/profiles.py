@@ -64,7 +64,9 @@ def profile_show(name: str, json_: bool) -> int:
         return 0
     tables: dict[str, dict[str, Any]] = {}
     for entry in entries(machine):
-        tables.setdefault(entry.section, {})[entry.key] = entry.value
+        table = tables.setdefault(entry.section, {})
+        if entry.key:  # a class without words has none
+            table[entry.key] = entry.value
     say.say_json({"name": machine.name, **tables.pop("", {}), **tables})
     return 0
 

@@ -846,10 +846,18 @@ CODES: dict[str, Code] = {
         "Leave the option out, or correct the program.",
     ),
     "subprogram": Code(
-        "An ISO program calls, repeats or ends a subprogram (M98, M99, M97, M198, M199, L, P).",
-        "The lines of a subprogram are cut where it is called, as often as it is called; wedmcam "
-        "does not run subprograms yet, and in the order of the file they are another path.",
-        "Write the lines of the subprogram in the place of each call.",
+        "A call of a subprogram in an ISO program (M98, M99, M97, M198, M199, L, P) cannot be run.",
+        "The lines of a subprogram are cut where it is called, as often as it is called; in the "
+        "order of the file, or from another line, they are another path. One controller looks for "
+        "N0001 in the file where M98 P0001 stands, the next for the program O0001.",
+        "Say which: --subprograms-in N-label or O-number, or --profile-in of the machine; correct "
+        "the call; or write the lines of the subprogram in its place.",
+    ),
+    "subprogram-run": Code(
+        "Subprograms of an ISO program are run.",
+        "A line of the file is more than one block then: the note says which subprograms are run, "
+        "how often, and how many blocks that makes.",
+        "Nothing, if that is what the machine does.",
     ),
     "default-profile": Code(
         "A program was written with the default profile of its format, which was another before.",

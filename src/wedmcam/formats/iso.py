@@ -23,11 +23,13 @@ END_UM = 5.0
 MOTION = (0, 1, 2, 3)
 #: G04, a wait, and modes in which a wire machine that is not told otherwise already is: nothing of
 #: the path changes.
-NOTHING_NEW = (4, 17, 61, 64, 80, 94, 95)
+NOTHING_NEW = (4, 17, 61, 64, 80, 93, 94, 95)
 PAUSES = (0, 1)
 ENDS = (2, 30)
+#: Ends a main program of Sodick, as M02 does [github.com/Meconer/SodickDXFCoder writes either].
+END_OF_LABELS = 199
 #: M codes that call or end a subprogram: M97 of Haas, M98 and M99 of all, M198 and M199 of an
-#: outer or a later one. They are refused: what they run is not in its place.
+#: outer or a later one. M98 and M99 are run (``frontends.iso.subprograms``), others are refused.
 SUBPROGRAMS = (97, 98, 99, 198, 199)
 #: M codes after which the same words may be another path: M60 turns the part at Makino, M70 to M73
 #: save and restore modes at LinuxCNC, the others of M7x are the builder's [R]. No profile knows.

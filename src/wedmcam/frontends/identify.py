@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from wedmcam.formats import b4, compact, gap, rotation
 from wedmcam.frontends.compact import addresses
-from wedmcam.frontends.offsets import tables_of
+from wedmcam.frontends.iso.offsets import tables_of
+from wedmcam.frontends.iso.words import with_numbers
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
 
@@ -111,18 +112,22 @@ _ISO_COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
 
 
 def _iso(data: bytes) -> Identification | None:
-    """Return what a text of ISO words is, or None: nine lines in ten must be such words."""
+    """Return what a text of ISO words is, or None: nine lines in ten must be such words.
+
+    A line of text in front of the first code is a title, and counts for none.
+    """
     if data.count(b"\0") > len(data) // 8 and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return None
-    codes, entries, _ = tables_of(plain(data).codes)
+    codes, entries, _ = tables_of(with_numbers(plain(data).codes))
     codes = _ISO_COMMENT.sub(lambda m: b" " * len(m[0]), codes)
     at, motions, lines, last, bad = 0, 0, 0, -1, None
-    coded = False
+    coded, titles = False, 0
     for line in codes.split(b"\n"):
         if part := line.strip():
             lines += 1
             if not _ISO_LINE.fullmatch(part):
                 bad = at if bad is None else bad
+                titles += not coded
                 if lines > 20 and motions * 2 < lines:
                     return None
             else:
@@ -139,7 +144,8 @@ def _iso(data: bytes) -> Identification | None:
         if bad is not None
         else 0
     )
-    if not coded or not motions or wrong * 10 > lines:
+    title = titles == 1 and lines > 3
+    if not coded or not motions or (wrong - title) * 10 > lines:
         return None
     words = "line" if motions == 1 else "lines"
     named = ", ".join(f"H{n}" for n in dict.fromkeys(e.number for e in entries))

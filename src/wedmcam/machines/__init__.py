@@ -15,6 +15,7 @@ from pathlib import PurePath
 from wedmcam.diag import Diagnostic, TextSpan, error, note
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.profile import parse
+from wedmcam.machines.vocabulary import Known, Vocabulary
 
 #: The profile that a format is written with when none is named.
 DEFAULTS: dict[str, str] = {
@@ -67,6 +68,20 @@ def builtin(name: str) -> Machine:
     machine, found = parse(text(name), name)
     assert machine is not None, found  # a profile that we ship
     return machine
+
+
+@cache
+def knowing(letter: str, tenths: int) -> tuple[str, ...]:
+    """Return the built-in profiles of ISO whose tables name a word, whatever they say of it.
+
+    Args:
+        letter, tenths: of the word: ("M", 600) for M60, ("G", 911) for G91.1.
+
+    >>> knowing("M", 99_9990)
+    ()
+    """
+    iso = (m for m in map(builtin, names()) if m.is_of("iso"))
+    return tuple(m.name for m in iso if m.iso.words.class_of(letter, tenths) is not Known.NOT)
 
 
 def of_file(text: str, file: str) -> tuple[Machine | None, list[Diagnostic]]:
@@ -127,13 +142,16 @@ __all__ = [
     "READING",
     "Axes",
     "Iso",
+    "Known",
     "Layout",
     "Limits",
     "Machine",
+    "Vocabulary",
     "Words",
     "builtin",
     "default",
     "find",
+    "knowing",
     "names",
     "of_file",
     "parse",

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from wedmcam.machines.vocabulary import Vocabulary
+
 if TYPE_CHECKING:
     from wedmcam.controllers import Stepping
 
@@ -92,7 +94,21 @@ class Iso:
     Attributes:
         coordinates: ``incremental`` (G91) or ``absolute`` (G90, drawing coordinates).
         unit: ``um``: whole numbers; ``mm``: digits behind a point.
-        integers: what a number without a point is where a program is read, ``um`` or ``mm``.
+        integers: what 1 is in a number without a point where a program is read: ``um``, ``mm``,
+            ``inch`` or ``0.0001in``. In the other system of units (G20 in a profile of mm, G21 in
+            one of inches) it is the like of it (um and 0.0001 in, mm and inch), where the profile
+            knows that code.
+        points: what 1 is in a number with a point before the first G20, G21, G70 or G71.
+        ij: what I and J of an arc are: ``start``: they lead from its start to its centre;
+            ``absolute``: under G90 they are the place of the centre; ``to-start``: they lead from
+            the centre to the start.
+        semicolon: what stands behind ``;``: ``comment``, or a ``block`` of its own; not set: the
+            profile does not say it.
+        subprograms: how subprograms are called: ``N-label``: M98 P0001 runs the blocks from N0001
+            to M99; ``O-number``: M98 P1234 runs those from O1234 to M99; ``none``: they are not.
+        offsets: what an entry of the controller's table of offsets is: a ``radius`` or a
+            ``diameter``.
+        offset_word: letter of the words that number offsets, ``D`` or ``H``.
         code_digits: of G and M codes: 2 writes G01, 1 writes G1.
         rapid: moves are G00; else G01 between two M00.
         sign: ``negative`` writes a minus only, ``always`` a plus too.
@@ -114,11 +130,18 @@ class Iso:
             With it F is a word that is known where a program is read.
         feed_least_um: the controller cuts no slower than this, um a minute, whatever F says; 0 for
             no such limit.
+        words: see `Vocabulary`.
     """
 
     coordinates: str = "incremental"
     unit: str = "um"
     integers: str = "um"
+    points: str = "mm"
+    ij: str = "start"
+    semicolon: str = ""
+    subprograms: str = "none"
+    offsets: str = "radius"
+    offset_word: str = "D"
     code_digits: int = 2
     rapid: bool = False
     sign: str = "negative"
@@ -131,6 +154,7 @@ class Iso:
     start: str = "g92"
     feed_um: int = 0
     feed_least_um: int = 0
+    words: Vocabulary = field(default_factory=Vocabulary)
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,8 @@ from typing import Any
 
 from wedmcam.machines import machine as model
 from wedmcam.machines.machine import Machine
-from wedmcam.machines.profile import _EOL, _SCHEMA
+from wedmcam.machines.profile import _EOL, _ISO, _SCHEMA
+from wedmcam.machines.vocabulary import TAKES, Vocabulary
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +95,19 @@ def entries(machine: Machine | None = None, format_: str | None = None) -> Itera
             yield Entry(
                 section, key, value, rule.takes, said.get(key, ""), rule.required, rule.formats
             )
+        if section == "iso" and (wanted is None or wanted in _ISO):
+            yield from _word_entries(machine)
+
+
+def _word_entries(machine: Machine | None) -> Iterator[Entry]:
+    """Yield the words of a dialect; of none, and of a class without words, its class."""
+    for class_, means in meanings(Vocabulary).items():
+        named = getattr(machine.iso.words, class_) if machine else ()
+        section = f"iso.words.{class_}"
+        for key, text in named:
+            yield Entry(section, key, text, "", "", False, _ISO)
+        if not named:
+            yield Entry(section, "", None, TAKES, means, False, _ISO)
 
 
 def _toml_value(key: str, value: Any) -> Any:
@@ -125,6 +139,10 @@ def fingerprint(machine: Machine) -> str:
     return hashlib.sha256("".join(lines).encode("utf-8")).hexdigest()
 
 
+def _comment(text: str) -> list[str]:
+    return textwrap.wrap(text, 96, initial_indent="# ", subsequent_indent="#   ")
+
+
 def as_toml(machine: Machine) -> str:
     """Return a profile as TOML: every key that its format takes, with its meaning.
 
@@ -132,12 +150,19 @@ def as_toml(machine: Machine) -> str:
     """
     lines = [f"# Profile {machine.name}: every value in force. Lengths in um."]
     section = ""
+    words = meanings(Vocabulary)
     for entry in entries(machine):
         if entry.section != section:
             section = entry.section
             lines += ["", f"[{section}]"]
+            if (class_ := section.removeprefix("iso.words.")) in words:
+                lines += _comment(f"{words[class_]} Takes {TAKES}, and what it does.")
+        if section.startswith("iso.words."):
+            key = entry.key if "." not in entry.key else json.dumps(entry.key)
+            lines += [f"{key} = {_written(entry.value)}"] if entry.key else ["# no word"]
+            continue
         about = f"{entry.means} Takes {entry.takes}.".strip()
-        lines += textwrap.wrap(about, 96, initial_indent="# ", subsequent_indent="#   ")
+        lines += _comment(about)
         if entry.value is None:
             lines.append(f"# {entry.key} is not set")
         else:

@@ -15,6 +15,7 @@ from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.diag.toml import read_toml
 from wedmcam.machines import around
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
+from wedmcam.machines.vocabulary import CLASSES, Vocabulary, wrong_words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
 _BINARY = FORMATS[1:4]
@@ -131,7 +132,13 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
     "iso": {
         "coordinates": _choice("incremental", "absolute", formats=_ISO),
         "unit": _choice("um", "mm", formats=_ISO),
-        "integers": _choice("um", "mm", formats=_ISO),
+        "integers": _choice("um", "mm", "inch", "0.0001in", formats=_ISO),
+        "points": _choice("mm", "inch", formats=_ISO),
+        "ij": _choice("start", "absolute", "to-start", formats=_ISO),
+        "semicolon": _choice("block", "comment", formats=_ISO),
+        "subprograms": _choice("none", "N-label", "O-number", formats=_ISO),
+        "offsets": _choice("radius", "diameter", formats=_ISO),
+        "offset_word": _choice("D", "H", formats=_ISO),
         "code_digits": _whole(1, 2, formats=_ISO),
         "rapid": _Key(bool, "true or false", lambda v: True, formats=_ISO),
         "sign": _choice("negative", "always", formats=_ISO),
@@ -239,6 +246,46 @@ def _of_iso(iso: dict[str, Any], text: str, name: str) -> list[Diagnostic]:
     return found
 
 
+def _words_of(
+    data: dict[str, Any], text: str, name: str, format_: str
+) -> tuple[Vocabulary, list[Diagnostic]]:
+    """Return the words under ``[iso.words]``, which it takes out of the data of a profile."""
+    iso = data.get("iso")
+    if format_ not in _ISO or not isinstance(iso, dict) or "words" not in iso:
+        return Vocabulary(), []
+    found: list[Diagnostic] = []
+    tables: dict[str, dict[str, Any]] = {}
+    data["iso"] = {key: value for key, value in iso.items() if key != "words"}
+    words = iso["words"]
+    if not isinstance(words, dict):
+        what = f"'iso.words' takes a table, not {words!r}"
+        return Vocabulary(), [error("profile-value", what, _place(text, name, "iso", "words"))]
+    for key, value in words.items():
+        place = _place(text, name, "", f"iso.words.{key}")
+        if key not in CLASSES:
+            what = f"unknown key 'iso.words.{key}'"
+            hint = _suggest(key, list(CLASSES))
+            found.append(error("profile-key", what, place, hint=hint))
+        elif not isinstance(value, dict):
+            what = f"'iso.words.{key}' takes a table, not {value!r}"
+            found.append(error("profile-value", what, place))
+        else:
+            tables[key] = value
+    for class_, key, what in wrong_words(tables):
+        place = _place(text, name, f"iso.words.{class_}", key)
+        said = f"'iso.words.{class_}' {key}: {what}"
+        found.append(error("profile-value", said, place))
+    if found:
+        return Vocabulary(), found
+    made = {class_: tuple(table.items()) for class_, table in tables.items()}
+    calls = [k for k in tables.get("path", {}) if k in ("M97", "M98", "M99", "M198", "M199")]
+    if calls and data["iso"].get("subprograms", "none") == "none":
+        place = _place(text, name, "iso.words.path", calls[0])
+        what = f"'iso.words.path' {calls[0]}: it takes 'iso.subprograms'"
+        found.append(error("profile-value", what, place))
+    return Vocabulary(**made), found
+
+
 def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
     """Return the machine that a TOML profile describes.
 
@@ -255,7 +302,9 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
 
     format_ = data.get("format")
     known_format = format_ if format_ in FORMATS else "3b"
+    vocabulary, unfit = _words_of(data, text, name, known_format)
     top, found = _check(text, name, "", data, known_format)
+    found += unfit
     tables: dict[str, dict[str, Any]] = {}
     for section in [s for s in _SCHEMA if s]:
         value = data.get(section, {})
@@ -327,7 +376,7 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
             limits=Limits(**limits),
             words=words,
             layout=Layout(**layout),
-            iso=Iso(**tables["iso"]),
+            iso=Iso(**tables["iso"], words=vocabulary),
             axes=Axes(**tables["axes"]),
         ),
         [],

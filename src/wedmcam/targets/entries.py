@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from wedmcam.options import WrongUse
 
 if TYPE_CHECKING:
-    from wedmcam.frontends.dialect import Dialect
+    from wedmcam.frontends.iso.dialect import Dialect
 
 #: Formats of outlines whose arcs the controller scales by a gap.
 GAPPED = ("compensation", "4b")

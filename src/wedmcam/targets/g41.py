@@ -22,8 +22,8 @@ from wedmcam.targets.entries import Entries
 from wedmcam.targets.stated import Iso
 
 if TYPE_CHECKING:
-    from wedmcam.frontends.compensation import Table
-    from wedmcam.frontends.dialect import Dialect
+    from wedmcam.frontends.iso.dialect import Dialect
+    from wedmcam.frontends.iso.modes import Table
     from wedmcam.transforms.lower import Rules
     from wedmcam.transforms.outlines import Grid, Written
 

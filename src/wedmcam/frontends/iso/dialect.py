@@ -9,16 +9,16 @@ or proves is refused with the question, what only shows goes on and says first w
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
-from wedmcam.frontends.offsets import Entry
+from wedmcam.frontends.iso.offsets import Entry
+from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import Plain, TextSpans, plain
-from wedmcam.frontends.words import Words
-from wedmcam.machines import Layout
+from wedmcam.machines import Iso, Layout, builtin, names
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -44,8 +44,9 @@ class Dialect:
         units_nm: what 1 is in a number with a point before the first G20 or G21, nm.
         whole_nm: what 1 is in a number without a point, nm.
         centres: "start": I and J lead from the start of an arc to its centre; "absolute": under
-            G90 they are the place of the centre.
+            G90 they are the place of the centre; "to-start": from the centre to the start.
         semicolon: "comment" or "block": what stands behind ``;``.
+        subprograms: "N-label", "O-number" or "none": which lines M98 runs.
         named: the profile is one that was named. It says what it has keys for.
         shown: the program is only shown: what is assumed is a warning, and no error.
     """
@@ -55,12 +56,21 @@ class Dialect:
     whole_nm: int | None = None
     centres: str | None = None
     semicolon: str | None = None
+    subprograms: str | None = None
     named: bool = True
     shown: bool = False
 
     def is_open(self, said: str | int | None) -> bool:
         """Return whether neither an option nor a profile says something."""
         return said is None and not self.named
+
+
+def completed(said: Dialect, profile: Iso) -> Dialect:
+    """Return a dialect with what its profile says of centres and semicolons, if it was named."""
+    if not said.named:
+        return said
+    semicolon = said.semicolon or profile.semicolon or None
+    return replace(said, centres=said.centres or profile.ij, semicolon=semicolon)
 
 
 # --- questions ------------------------------------------------------------------------------------
@@ -110,7 +120,7 @@ def of_coordinates(lines: Ints, w: Words, text: Plain, incremental: bool) -> lis
             "or a way (incremental, G91)?",
             "incremental (G91)" if incremental else "absolute (G90)",
             f"--coordinates-in absolute, or --coordinates-in incremental; or {_NAME_IT}",
-            len(lines),
+            len(np.unique(w.line_start[lines])),
         )
     ]
 
@@ -159,7 +169,8 @@ def _of_words(
         return []
     at, end = int(w.start[words[0]]), int(w.end[words[0]])
     said = f"{text.excerpt(at, end)}: {what}"
-    return [Question(code, at, max(end - at, 1), said, assumed, hint, len(words))]
+    places = len(np.unique(w.start[words]))
+    return [Question(code, at, max(end - at, 1), said, assumed, hint, places)]
 
 
 def of_table(entries: list[Entry], said: Dialect, text: Plain, stated: bool) -> list[Question]:
@@ -200,7 +211,7 @@ def of_centres(line: int, count: int, w: Words, text: Plain) -> list[Question]:
             f"{text.excerpt(at, end)}: I and J may lead from the start to the centre, or be the "
             "place of the centre: no arc of this file proves either (full circles do not)",
             "I and J lead from the start to the centre",
-            f"--centres-in start, or --centres-in absolute; or {_NAME_IT}",
+            f"--centres-in start, absolute or to-start; or {_NAME_IT}",
             count,
         )
     ]
@@ -267,14 +278,65 @@ def of_semicolons(w: Words, text: Plain, layout: Layout | None) -> list[Question
     ]
 
 
-def of_subprograms(words: Ints, w: Words, text: Plain) -> list[Question]:
-    """Return the finding of the words that call a subprogram."""
+#: What runs subprograms, and how.
+_STYLES = {
+    "N-label": "M98 P0001 runs from the line N0001 to M99",
+    "O-number": "M98 P0001 runs O0001 to M99",
+}
+
+
+def _profiles_of(style: str) -> str:
+    """Return the built-in profiles of a style, in words."""
+    known = [name for name in names() if builtin(name).iso.subprograms == style]
+    return f"; --profile-in {' or '.join(known)}" if known else ""
+
+
+def of_subprograms(
+    words: Ints, w: Words, text: Plain, fits: list[str], refused: bool
+) -> list[Question]:
+    """Return the question of the words M98: which lines do they run?
+
+    Args:
+        words: the M98. w, text: of the file.
+        fits: styles in which every call of the file finds its subprogram.
+        refused: the user says that none is run.
+    """
+    if refused:
+        what = "calls a subprogram, and --subprograms-in none runs none"
+        hint = "write the blocks of the subprogram in the place of its call, as the machine does"
+        return _of_words("subprogram", words, w, text, what, "", hint)
+    fit = fits[0] if len(fits) == 1 else None
+    what = "calls a subprogram: is P the number of a line (N), or of a program (O)?"
+    if fit is not None:
+        what += f" In this file every call finds its {fit}"
+    answers = ", or ".join(
+        f"--subprograms-in {name} ({how}{_profiles_of(name)})" for name, how in _STYLES.items()
+    )
+    assumed = f"{fit}, {_STYLES[fit]}" if fit is not None else ""
+    return _of_words("subprogram", words, w, text, what, assumed, f"{answers}; or {_NAME_IT}")
+
+
+def of_returns(words: Ints, w: Words, text: Plain) -> list[Question]:
+    """Return the question of M99 in a program that calls nothing."""
     return _of_words(
         "subprogram",
         words,
         w,
         text,
-        "calls, repeats or ends a subprogram; subprograms are not run yet",
+        "in a program that calls nothing: a subprogram alone, or a program without end",
+        "the lines are run once",
+        "M02 at the end of the program; or this file and the one that calls it as one file",
+    )
+
+
+def of_repeats(words: Ints, w: Words, text: Plain) -> list[Question]:
+    """Return the finding of other words that call, repeat or end a subprogram."""
+    return _of_words(
+        "subprogram",
+        words,
+        w,
+        text,
+        "calls, repeats or ends a subprogram, and is not run",
         "the lines are run as they stand, once",
         "write the blocks of the subprogram in the place of its call, as the machine runs them",
     )

@@ -17,8 +17,11 @@ Bools = NDArray[np.bool_]
 
 _COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
 _BRACKETS = re.compile(rb"\([^)\n]*\)?")
+_COLON = re.compile(rb"^([ %/]*):(?= *\d)", re.MULTILINE)
 #: Letters of coordinates.
 _PLACES = np.frombuffer(b"XYIJRUVZ", dtype=np.uint8)
+#: What `Words` holds of each word.
+_COLUMNS = ("letter", "start", "end", "line", "whole", "decimals", "pointed", "good")
 #: Digits of a number that are read; more do not fit 64 bits.
 DIGITS = 12
 
@@ -39,6 +42,7 @@ class Words:
         comments: first and past the last character of each comment.
         line_start, line_end: of every line.
         skipped: lines that open with a slash.
+        percents: percent signs, in the text; none of them is in a comment.
     """
 
     letter: NDArray[np.uint8]
@@ -54,6 +58,7 @@ class Words:
     line_start: Ints
     line_end: Ints
     skipped: Ints
+    percents: Ints
 
     def titles(self) -> Ints:
         """Return the lines that are text: letters that no number follows, before any other word.
@@ -82,8 +87,31 @@ class Words:
 
     def without_words(self, gone: Bools) -> Words:
         """Return all words but some."""
-        columns = ("letter", "start", "end", "line", "whole", "decimals", "pointed", "good")
-        return replace(self, **{name: getattr(self, name)[~gone] for name in columns})
+        return replace(self, **{name: getattr(self, name)[~gone] for name in _COLUMNS})
+
+    def in_order(self, lines: Ints) -> Words:
+        """Return the words of some lines, in that order; a line may be there often, or not at all.
+
+        What belongs to no word (``stray``, ``comments``, ``skipped``) is that of the text still.
+        """
+        low = np.searchsorted(self.line, np.arange(len(self.line_start)))
+        many = np.diff(np.append(low, len(self.line)))[lines]
+        line = np.repeat(np.arange(len(lines)), many)
+        rows = np.arange(len(line)) + np.repeat(low[lines] - (np.cumsum(many) - many), many)
+        columns = {name: getattr(self, name)[rows] for name in _COLUMNS if name != "line"}
+        start, end = self.line_start[lines], self.line_end[lines]
+        return replace(self, line=line, line_start=start, line_end=end, **columns)
+
+
+def with_numbers(codes: bytes) -> bytes:
+    r"""Return a text of ``frontends.plain`` with O for a colon that opens a line.
+
+    Fanuc's manuals: O numbers a program in EIA code, the colon does in ISO code.
+
+    >>> with_numbers(b"%\n:12\nG01:5")
+    b'%\nO12\nG01:5'
+    """
+    return _COLON.sub(rb"\1O", codes) if b":" in codes else codes
 
 
 def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
@@ -104,11 +132,13 @@ def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
     at = np.flatnonzero((every != 32) & (every != 37))
     c = every[at]
     capital = (c >= 65) & (c <= 90)
-    feed = c == 10
     first = np.flatnonzero(capital)
-    edges = np.flatnonzero(capital | feed)
-    nth = np.searchsorted(edges, first, "right")
-    past = np.append(edges, len(c))[nth] if len(edges) else np.zeros(0, np.int64)
+    feeds = np.flatnonzero(c == 10)
+    # Of each line: where it begins and stops, and its words.
+    begins, stops = np.append(0, feeds + 1), np.append(feeds, len(c))
+    opens, closes = np.searchsorted(first, begins), np.searchsorted(first, stops)
+    line = np.repeat(np.arange(len(begins)), closes - opens)
+    past = np.minimum(np.append(first, len(c))[1:], stops[line])
     size = past - first - 1
 
     whole, decimals, seen = (np.zeros(len(first), np.int64) for _ in range(3))
@@ -130,19 +160,14 @@ def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
     good &= (seen > 0) & (size <= DIGITS + 2) & (seen <= DIGITS)
 
     # What is before the first word of a line belongs to none: a slash, or rubbish.
-    owner = np.cumsum(capital) - 1
-    line_of = np.cumsum(feed) - feed
-    loose = ~capital & ~feed
-    known = np.zeros(len(c), bool)
-    if len(first):
-        same = (owner >= 0) & (line_of[first[np.maximum(owner, 0)]] == line_of)
-        known = same
-    loose &= ~known
-    slash = loose & (c == 47)
-    opens = np.ones(len(c), bool)
-    opens[1:] = line_of[1:] != line_of[:-1]
-    skipped = line_of[slash & opens]
-    stray = at[loose & ~(slash & opens)]
+    lead = np.minimum(np.append(first, len(c))[opens], stops) - begins
+    some = np.flatnonzero(lead)
+    skipped = some[c[begins[some]] == 47]
+    lead[skipped] -= 1
+    begins[skipped] += 1
+    before = np.cumsum(lead[some]) - lead[some]
+    loose = np.repeat(begins[some] - before, lead[some]) + np.arange(int(lead[some].sum()))
+    stray = at[loose]
     last = at[past - 1] if len(first) else np.zeros(0, np.int64)
     letter, start, end = c[first], at[first], last + 1
     # X1.5E-3 may be an exponent, or a condition behind a coordinate: no number to move by.
@@ -154,7 +179,7 @@ def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
         letter=letter,
         start=start,
         end=end,
-        line=line_of[first],
+        line=line,
         whole=np.where(minus, -whole, whole),
         decimals=decimals,
         pointed=pointed,
@@ -164,4 +189,5 @@ def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
         line_start=np.concatenate([[0], ends[:-1] + 1]),
         line_end=ends,
         skipped=skipped,
+        percents=np.flatnonzero(every == 37) if b"%" in codes else np.zeros(0, np.int64),
     )

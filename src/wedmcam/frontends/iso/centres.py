@@ -1,0 +1,164 @@
+"""From where I and J count: four rules, by profile, option or the codes G90.1 and G91.1.
+
+Source of G90.1 and G91.1: LinuxCNC's handbook, *G-codes*, Arc Distance Mode. Under G90.1 I and J
+are places, whatever G90 and G91 say, and both must stand there; under G91.1 they count from the
+start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.frontends.iso import dialect as dialects
+from wedmcam.frontends.iso.arcs import fits
+from wedmcam.frontends.iso.reading import Reading, filled
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+Tell = Callable[..., None]
+
+
+class Rule(IntEnum):
+    """What I and J are."""
+
+    START = 0
+    ABSOLUTE = 1  # under G90 alone
+    TO_START = 2
+    PLACE = 3  # always: G90.1
+
+
+_SAID = {
+    None: Rule.START,
+    "start": Rule.START,
+    "absolute": Rule.ABSOLUTE,
+    "to-start": Rule.TO_START,
+}
+#: G90.1 and G91.1 in tenths -> the rule.
+CODES = {901: Rule.PLACE, 911: Rule.START}
+#: Answers of --centres-in, in the order in which they are looked at.
+_ANSWERS = {"absolute": Rule.ABSOLUTE, "start": Rule.START, "to-start": Rule.TO_START}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rules:
+    """The rule at every line, and whether nobody said it."""
+
+    rule: Ints
+    is_open: Bools
+
+
+def rules_of(r: Reading, codes: Ints, has: Bools) -> Rules:
+    """Return the rule of every line; ``codes`` in tenths where a line ``has`` one."""
+    said = _SAID[r.dialect.centres]
+    rule = np.full(r.lines, int(said))
+    unsaid = np.full(r.lines, r.dialect.is_open(r.dialect.centres))
+    lines = np.flatnonzero(has)
+    if len(lines):
+        of_code = np.where(codes == 901, int(Rule.PLACE), int(Rule.START))
+        rule = filled(of_code, has, int(said))
+        unsaid &= np.arange(r.lines) < lines[0]
+        asked = _SAID[r.said.centres] if r.said.centres else None
+        other = asked is not None and codes[lines[0]] != (901 if asked is Rule.ABSOLUTE else 911)
+        if other or asked is Rule.TO_START:
+            name = "G90.1" if codes[lines[0]] == 901 else "G91.1"
+            r.tell_stated(lines[:1], name, "--centres-in")
+    return Rules(rule, unsaid)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Centres:
+    """The centres of arcs by each rule, um, and where the arcs start and end."""
+
+    rule: Ints
+    is_open: Bools
+    by: dict[Rule, list[Floats]]
+    exact_nm: list[Ints]
+    shift: Floats
+    ends: list[tuple[Floats, Floats]]
+
+    @property
+    def by_place(self) -> Bools:
+        """Which arcs have the place of their centre."""
+        found: Bools = (self.rule == Rule.ABSOLUTE) | (self.rule == Rule.PLACE)
+        return found
+
+
+def centres_by_rule(
+    arcs: Ints,
+    rules: Rules,
+    nm: dict[str, Ints],
+    absolute: Bools,
+    befores: dict[str, Ints],
+    starts_nm: dict[str, Ints],
+    ends_nm: dict[str, Ints],
+) -> Centres:
+    """Return the centres of arcs that state I or J.
+
+    Args:
+        arcs: their lines.
+        rules: of every line.
+        nm: I and J of every line.
+        absolute: lines in G90.
+        befores: coordinates before every line, in those that G92 sets.
+        starts_nm, ends_nm: of every line.
+    """
+    rule = rules.rule[arcs]
+    here = absolute[arcs] | (rule == Rule.PLACE)
+    start = [starts_nm[k][arcs] for k in "XY"]
+    way = [nm[k][arcs] for k in "IJ"]
+    # How far the zero of I and J lies from the start, were they places.
+    away = [np.where(here, befores[k][arcs], 0) for k in "XY"]
+    by_nm = {
+        Rule.START: [s + i for s, i in zip(start, way, strict=True)],
+        Rule.ABSOLUTE: [s + i - a for s, i, a in zip(start, way, away, strict=True)],
+        Rule.TO_START: [s - i for s, i in zip(start, way, strict=True)],
+    }
+    by_place = (rule == Rule.ABSOLUTE) | (rule == Rule.PLACE)
+    exact = [
+        np.select([by_place, rule == Rule.TO_START], [p, t], default=s)
+        for p, t, s in zip(
+            *(by_nm[k] for k in (Rule.ABSOLUTE, Rule.TO_START, Rule.START)), strict=True
+        )
+    ]
+    return Centres(
+        rule,
+        rules.is_open[arcs],
+        {k: [c / 1000.0 for c in v] for k, v in by_nm.items()},
+        exact,
+        np.hypot(*away),
+        [(starts_nm[k][arcs] / 1000.0, ends_nm[k][arcs] / 1000.0) for k in "XY"],
+    )
+
+
+def ask(r: Reading, arcs: Ints, stated: Bools, centres: Centres) -> None:
+    """Ask for the rule where no arc proves it: ``stated`` arcs have I or J alone."""
+    asked = stated & centres.is_open & (centres.shift > 1000)
+    if not asked.any():
+        return
+    fit = [asked & fits(centres.ends, centres.by[k]) for k in (Rule.START, Rule.ABSOLUTE)]
+    if (asked & ~fit[0] & ~fit[1]).any():  # neither: that is an error with its own hint
+        return
+    both = fit[0] & fit[1] & ~r.bad[arcs]
+    if both.any() and not (fit[0] ^ fit[1]).any():
+        first = int(arcs[np.argmax(both)])
+        r.questions += dialects.of_centres(first, int(both.sum()), r.words, r.plain)
+
+
+def tell_far(
+    tell: Tell, far: Bools, stated: Bools, message: Callable[[int], str], centres: Centres
+) -> None:
+    """Report arcs that end beside their circle, with the rule that they would fit."""
+    left = far.copy()
+    for name, rule in _ANSWERS.items():
+        if not (left & stated).any():
+            break
+        one = left & stated & (centres.rule != rule) & fits(centres.ends, centres.by[rule])
+        tell(one, message, f"I and J fit as --centres-in {name} reads them")
+        left &= ~one
+    tell(left, message, "check I and J: from the start to the centre, signed")

@@ -1,0 +1,116 @@
+"""Which words of an ISO text its profile knows, and which profiles know the others.
+
+What a profile calls harmless is left out with one note, what it refuses is an error in its own
+words; a word that it does not name is not known there. Without words in the profile, or without a
+profile, what reads a text knows M00, M01, M02, M30 and the codes that it runs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Severity
+from wedmcam.frontends.iso.reading import NAMED, Reading
+from wedmcam.frontends.iso.words import Words
+from wedmcam.machines import Known, Vocabulary, knowing
+from wedmcam.machines.vocabulary import NO_CODE, PER_CODE
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+#: Letters of words that no profile needs to name.
+_PLACES = np.frombuffer(b"XYIJRN", dtype=np.uint8)
+
+
+def vocabulary_of(r: Reading) -> Vocabulary:
+    """Return the words that count: of the profile where one was named."""
+    return r.machine.iso.words if r.dialect.named else Vocabulary()
+
+
+def tenths_of(w: Words, rows: Ints) -> Ints:
+    """Return the numbers of some words in tenths, `NO_CODE` for what no code has.
+
+    G91.1 is 911; a minus and a second digit behind the point are of no code.
+    """
+    whole, decimals = w.whole[rows], w.decimals[rows]
+    fits = w.good[rows] & (whole >= 0) & (decimals <= 1)
+    return np.where(fits, np.where(decimals == 1, whole, whole * PER_CODE), NO_CODE)
+
+
+def take_known(r: Reading) -> NDArray[np.int8]:
+    """Take the harmless words of the profile out, and report them and the refused ones.
+
+    Returns:
+        The class of each word that is left (`Known`).
+    """
+    w, words = r.words, vocabulary_of(r)
+    classes: NDArray[np.int8] = np.zeros(len(w.letter), np.int8)
+    if not words:
+        return classes
+    rows = np.flatnonzero(~np.isin(w.letter, _PLACES) & w.good)
+    entry = words.entries_of(w.letter[rows], tenths_of(w, rows))
+    classes[rows] = words.classes[entry]
+    texts = words.texts
+    harmless = classes == Known.HARMLESS
+    _tell_harmless(r, rows, entry, harmless, texts)
+    refused = classes[rows] == Known.REFUSED
+    for one in np.unique(entry[refused]).tolist():
+        mask = np.zeros(len(classes), bool)
+        mask[rows[entry == one]] = True
+        hint = f"the profile {r.machine.name} refuses it; take it out where it changes no path"
+        r.tell_words(Severity.ERROR, "iso-code", mask, texts[one], hint)
+    r.words = w.without_words(harmless)
+    left: NDArray[np.int8] = classes[~harmless]
+    return left
+
+
+def _tell_harmless(
+    r: Reading, rows: Ints, entry: Ints, harmless: Bools, texts: tuple[str, ...]
+) -> None:
+    """Report the words that are left out: one note, with what each of them does."""
+    mine = harmless[rows]
+    if not mine.any():
+        return
+    w = r.words
+    found, first = np.unique(entry[mine], return_index=True)
+    every = rows[mine]
+    said = [
+        f"{r.named(rows[entry == one])}: {texts[one]}" for one in found[np.argsort(first)].tolist()
+    ]
+    at, end = int(w.start[every[0]]), int(w.end[every[0]])
+    what = f"{'; '.join(said)} (left out, as the profile {r.machine.name} says)"
+    place = r.spans.at(at, end - at)
+    one_note = Diagnostic(Severity.NOTE, "iso-ignored", what, place, count=len(every))
+    r.found.append((at, one_note))
+
+
+def unlisted(r: Reading, classes: NDArray[np.int8], codes: Bools) -> Bools:
+    """Return which of some G codes a profile that lists its codes does not list."""
+    none = np.zeros(len(classes), bool)
+    return codes & (classes == Known.NOT) if vocabulary_of(r).lists_codes else none
+
+
+def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
+    """Return a hint that names the built-in profiles whose tables name some words.
+
+    ``otherwise``: the hint where none does.
+    """
+    w, rows = r.words, np.flatnonzero(mask)
+    if not len(rows):
+        return otherwise
+    tenths = tenths_of(w, rows)
+    key = w.letter[rows].astype(np.int64) * 10**13 + tenths
+    first = np.sort(np.unique(key, return_index=True)[1])[:NAMED]
+    of: dict[str, list[str]] = {}
+    for i in first.tolist():
+        row = int(rows[i])
+        word = r.plain.excerpt(int(w.start[row]), int(w.end[row]))
+        for name in knowing(chr(w.letter[row]), int(tenths[i])):
+            if not (r.dialect.named and name == r.machine.name):
+                of.setdefault(name, []).append(word)
+    if not of:
+        return otherwise
+    ranked = sorted(of, key=lambda name: (-len(of[name]), name))
+    told = "; ".join(f"{name} ({', '.join(of[name])})" for name in ranked)
+    return f"profiles that know the word: {told}; --profile-in NAME reads it as that machine does"

@@ -1,0 +1,553 @@
+"""Read ISO G-code: words in any spelling, modal or not, absolute or not, into stepped blocks.
+
+All lines are read at once: modes are filled forward, positions summed, and only what is wrong is
+looked at one by one. Positions are summed in nanometres and put on the grid afterwards, so that
+small increments add up. A word that is not understood is an error where it could change the path,
+else a warning; nothing is dropped in silence.
+
+Where the controller offsets the path itself (G41, G42), `read` gives the outline as it stands there
+with the offsets of a table; what the controller makes of it is for the shell to apply. `decode`
+reads programs that need no table. What a file does not say itself, and who says it: `dialect`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
+from wedmcam.formats import b3, iso
+from wedmcam.frontends.iso import dialect as dialects
+from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs
+from wedmcam.frontends.iso.centres import (
+    CODES,
+    Centres,
+    Rules,
+    ask,
+    centres_by_rule,
+    rules_of,
+    tell_far,
+)
+from wedmcam.frontends.iso.codes import (
+    condition_words,
+    dotted_codes,
+    moving_frames,
+    take_dwells,
+    take_tolerances,
+)
+from wedmcam.frontends.iso.dialect import UNSAID, Dialect
+from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who_knows
+from wedmcam.frontends.iso.lengths import distance_of, lengths_of
+from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
+from wedmcam.frontends.iso.reading import Reading, column, filled
+from wedmcam.frontends.iso.subprograms import ends_of, run_subprograms
+from wedmcam.frontends.iso.table import Tables, modes_of
+from wedmcam.frontends.iso.tape import behind, take_end, take_number
+from wedmcam.frontends.iso.words import Words
+from wedmcam.frontends.plain import TextSpans
+from wedmcam.ir.program import BLOCK, Kind, Program
+from wedmcam.ir.programmed import PROGRAMMED, Programmed
+from wedmcam.machines import Known, Machine
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+
+#: Motion behind G80, which ends the one before.
+NO_MOTION = -80
+
+
+def decode(
+    data: bytes, machine: Machine, file: str, dialect: Dialect | None = None
+) -> tuple[Program, list[Diagnostic]]:
+    """Return the program that an ISO file states, as its controller steps it.
+
+    Args:
+        data: any bytes; never raises.
+        machine: an ISO profile: what whole numbers are, and the line table.
+        file: name for the spans.
+        dialect: what is said beside the file; None: the machine is known, and says it.
+
+    Returns:
+        A block a motion, with the micron or two that an arc is completed by as a line of its own;
+        M00 and M01 are pauses, M02 and M30 the stop, other M words are kept. A G01 alone between
+        two pauses is a move, like G00. ``spans[i]`` is the line. G41 and G42 are refused: where
+        they lead depends on a table.
+    """
+    made, found = read(data, machine, file, dialect=dialect)
+    return made.program, found
+
+
+def read(
+    data: bytes,
+    machine: Machine,
+    file: str,
+    table: Table | None = None,
+    dialect: Dialect | None = None,
+    assumed: bool = False,
+) -> tuple[Programmed, list[Diagnostic]]:
+    """Return the program of an ISO file, with outlines where the controller is to offset.
+
+    Args:
+        data: any bytes; never raises.
+        machine: an ISO profile.
+        file: name for the spans.
+        table: D number -> offset, um, as entered at the controller. A motion whose D is 0 um is
+            stepped as it stands. None: G41 and G42 are refused, with the D numbers used, but for
+            those of a table in the file (``H001 = 0.14``).
+        assumed: the table is taken from a drawing, and was not entered: that of the file wins.
+        dialect: as for `decode`.
+    """
+    r = Reading(data, machine, file, dialect or Dialect())
+    take_end(r)
+    _tell_text(r)
+    run_subprograms(r)
+    take_number(r)
+    take_dwells(r)
+    take_tolerances(r)
+    classes = take_known(r)
+    w = r.words
+    g, m = w.letter == ord("G"), w.letter == ord("M")
+    whole = w.good & ~w.pointed & (w.whole >= 0)
+    err = Severity.ERROR
+    r.tell_words(err, "iso-word", ~w.good, "no number that can be read behind the letter")
+    # Codes with a point: G90.1 and G91.1, and some that change nothing.
+    rule = g & w.good & w.pointed & np.isin(w.whole, list(CODES)) & (w.decimals == 1)
+    dotted = dotted_codes(r)
+    refused, foreign = classes == Known.REFUSED, unlisted(r, classes, g & w.good)
+    r.tell_words(
+        err,
+        "iso-word",
+        w.good & (g | m) & ~whole & ~rule & ~dotted & ~refused & ~foreign,
+        "a code is a whole number",
+    )
+    r.tell_words(
+        err,
+        "iso-code",
+        foreign,
+        f"a code that the profile {r.machine.name} does not name",
+        who_knows(r, foreign, "name another profile, or take it out where it changes no path"),
+    )
+    runs = whole & ~refused & ~foreign
+    g, m = g & runs, m & runs
+    rule, dotted = (codes & ~foreign & ~refused for codes in (rule, dotted))
+
+    modal: dict[str, tuple[Ints, Bools]] = {}
+    for name in ("motion", "distance", "inch", "comp", "g92", "centres"):
+        modal[name] = (np.zeros(r.lines, np.int64), np.zeros(r.lines, bool))
+
+    def set_mode(name: str, mask: Bools, values: Ints) -> None:
+        value, has = modal[name]
+        lines = w.line[mask]
+        twice = np.zeros(len(w.line), bool)
+        again = has[lines]
+        again[1:] |= lines[1:] == lines[:-1]
+        twice[np.flatnonzero(mask)[again]] = True
+        r.tell_words(err, "iso-word", twice, "a second code of the same kind in one line")
+        value[lines], has[lines] = values[mask], True
+
+    code = w.whole
+    set_mode("motion", g & (code <= 3), code)
+    _end_motion(w.line[g & (code == 80)], *modal["motion"])
+    set_mode("centres", rule, code)
+    set_mode("distance", g & ((code == 90) | (code == 91)), code)
+    inch = g & np.isin(code, (20, 21, 70, 71))
+    set_mode("inch", inch, (code % 50 == 20).astype(np.int64))
+    comp = g & (code >= 40) & (code <= 42)
+    set_mode("comp", comp, code)
+    set_mode("g92", g & (code == 92), code)
+    work = g & (code >= 53) & (code <= 59)
+    known = work | g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
+    idle = g & np.isin(code, iso.NOTHING_NEW)
+    work_idle = work & ~moving_frames(r, work)
+    places = rule & (code == 901)
+    quiet = (idle | dotted | rule | work_idle) & ~places
+    why = "I and J are the place of the centre from here on"
+    r.tell_words(Severity.NOTE, "iso-ignored", places, why)
+    r.tell_words(Severity.NOTE, "iso-ignored", quiet, "nothing of the path changes by it")
+    unknown = g & ~known & ~idle
+    r.tell_words(
+        err,
+        "iso-code",
+        unknown,
+        "a code that is not known here and may change the path",
+        who_knows(
+            r,
+            unknown,
+            "known are G00 to G04, G17, G20, G21, G40 to G42, G54 to G59, G70, G71, G80, "
+            "G90 to G92",
+        ),
+    )
+    axes = {k: column(r, k) for k in "XYIJR"}
+    offsets = comp & (code != 40)
+    names = b"GMXYIJRNDH" if offsets.any() else b"GMXYIJRN"
+    inches = filled(*modal["inch"], UNSAID)
+    modes = modes_of(r, modal["comp"], offsets, Tables(table, assumed, inches))
+    other = w.good & ~np.isin(w.letter, np.frombuffer(names, np.uint8)) & ~refused
+    condition = other & condition_words(w)
+    third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
+    third &= ~condition
+    r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
+    calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
+    feed = other & (w.letter == ord("F")) & bool(r.machine.iso.feed_um)
+    r.tell_words(Severity.NOTE, "iso-ignored", feed, "the cutting speed: it changes no path")
+    _tell_others(r, other & ~third & ~calls & ~feed & (classes != Known.PATH))
+    distance = filled(*modal["distance"], UNSAID)
+    motion = filled(*modal["motion"], -1)
+    reset = modal["g92"][1]
+    if r.machine.iso.start == "move":
+        reset = reset | _start(axes, motion, reset)
+    calls |= m & np.isin(code, iso.SUBPROGRAMS) & ~np.isin(code, ends_of(r.subprograms))
+    rules = rules_of(r, *modal["centres"])
+    calling = np.flatnonzero(calls)
+    return _program(r, axes, distance, motion, inches, reset, m, calling, modes, rules)
+
+
+def _end_motion(lines: Ints, motion: Ints, has: Bools) -> None:
+    """End the motion in force where G80 stands alone: the next place needs a word of its own.
+
+    LinuxCNC's handbook: G80 is of the group of G00 to G03, and a place while it is in force is an
+    error. Other controllers go on in the old motion.
+    """
+    alone = lines[~has[lines]]
+    motion[alone], has[alone] = NO_MOTION, True
+
+
+def _tell_others(r: Reading, mask: Bools) -> None:
+    """Report words that are left out, and that no profile which was named knows."""
+    named = bool(vocabulary_of(r))
+    hint = "feed, generator and offset tables are set at the machine"
+    if named:
+        why = f"no word of the profile {r.machine.name}; left out: nothing is known of it"
+        r.tell_words(Severity.WARNING, "unknown-word", mask, why, who_knows(r, mask, hint))
+        return
+    why = "not read: it changes no path"
+    r.tell_words(Severity.WARNING, "iso-ignored", mask, why, who_knows(r, mask, hint))
+
+
+def _start(axes: dict[str, tuple[Ints, Bools, Bools, Ints]], motion: Ints, reset: Bools) -> Bools:
+    """Return the line that tells the start of a program: its first motion, a G00 to X and Y."""
+    x, y = axes["X"][1], axes["Y"][1]
+    out = np.zeros(len(motion), bool)
+    first = np.flatnonzero(x | y)[:1]
+    out[first] = (x & y & (motion == 0) & ~reset)[first]
+    return out
+
+
+def _tell_text(r: Reading) -> None:
+    """Report comments, characters that are no words, and optional blocks."""
+    w = r.words
+    if w.comments and r.dialect.semicolon is None:
+        # No profile says what stands behind a semicolon, but for lines that it writes itself.
+        own = r.machine.layout if r.dialect.named else None
+        r.questions += dialects.of_semicolons(w, r.plain, own)
+    texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
+    for a, b in texts[:1]:
+        many = f" ({len(texts)} comments)" if len(texts) > 1 else ""
+        what = f"comment: {r.plain.excerpt(a, b)}{many}"
+        r.found.append((a, note("text-skipped", what, r.spans.at(a, b - a), count=len(texts))))
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-word",
+        r.titles,
+        lambda i: (
+            f"line {int(r.titles[i]) + 1} is text, no ISO words: "
+            f"{r.plain.excerpt(int(w.line_start[r.titles[i]]), int(w.line_end[r.titles[i]]))}"
+        ),
+        "put text into brackets: (TITLE); or remove the line",
+    )
+    if len(w.stray):
+        lines = np.unique(np.searchsorted(w.line_end, w.stray))
+        first = {
+            int(n): int(k) for k, n in zip(w.stray[::-1], lines_of(w, w.stray)[::-1], strict=True)
+        }
+        r.tell_lines(
+            Severity.ERROR,
+            "iso-word",
+            lines,
+            lambda i: (
+                f"{r.plain.excerpt(first[int(lines[i])], int(w.line_end[lines[i]]))}: "
+                "no letter in front of it"
+            ),
+        )
+    if len(w.skipped):
+        r.tell_lines(
+            Severity.WARNING,
+            "iso-skip",
+            w.skipped,
+            lambda i: "an optional block (/): read as if block skip were off",
+            "remove the slash, or the block",
+        )
+
+
+def lines_of(w: Words, at: Ints) -> Ints:
+    """Return the line of characters."""
+    return np.searchsorted(w.line_end, at)
+
+
+def _program(
+    r: Reading,
+    axes: dict[str, tuple[Ints, Bools, Bools, Ints]],
+    distance: Ints,
+    motion: Ints,
+    inches: Ints,
+    reset: Bools,
+    m: Bools,
+    calls: Ints,
+    modes: Modes | None,
+    rules: Rules,
+) -> tuple[Programmed, list[Diagnostic]]:
+    w = r.words
+    has = {k: axes[k][1] for k in axes}
+    curved = (motion >= 2) & ~reset
+    centred = has["I"] | has["J"]
+    moves = (has["X"] | has["Y"] | (curved & (centred | has["R"]))) & ~reset
+    # M words end at which line? What follows is not read.
+    m_rows = np.flatnonzero(m)
+    codes, m_lines = w.whole[m_rows], w.line[m_rows]
+    ends = ends_of(r.subprograms)
+    stop = m_rows[np.isin(codes, ends)][:1]
+    stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
+    calls = calls[w.line[calls] <= stop_line]
+    r.questions += dialects.of_repeats(calls, w, r.plain)
+    nm = lengths_of(r, axes, inches, (moves | reset, curved), stop_line)
+    distance = distance_of(r, distance, moves & (has["X"] | has["Y"]), stop_line)
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-code",
+        np.flatnonzero(moves & (motion == UNSAID)),
+        lambda i: "coordinates before any G00, G01, G02 or G03",
+    )
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-code",
+        np.flatnonzero(moves & (motion == NO_MOTION)),
+        lambda i: "coordinates behind G80, and no G00, G01, G02 or G03 before them",
+        "G80 ends the motion at some controllers: say the motion on this line",
+    )
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-arc",
+        np.flatnonzero((centred | has["R"]) & ~curved & ~reset),
+        lambda i: "a centre or a radius without G02 or G03",
+    )
+    ends_nm, starts_nm, befores = {}, {}, {}
+    for k in "XY":
+        absolute = (distance == 90) & has[k] & moves
+        sets = absolute | (reset & has[k])
+        step = np.where(moves & has[k] & (distance == 91), nm[k], 0)
+        summed = np.cumsum(step)
+        last = np.maximum.accumulate(np.where(sets, np.arange(r.lines), -1))
+        at = np.maximum(last, 0)
+        work = np.where(last >= 0, nm[k][at] + summed - summed[at], summed)
+        before = np.concatenate([[0], work[:-1]])
+        place = np.cumsum(np.where(reset, 0, work - before))
+        ends_nm[k], starts_nm[k] = place, np.concatenate([[0], place[:-1]])
+        befores[k] = before
+
+    late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
+    if len(late):
+        what = behind(len(late), f"M{codes[np.isin(codes, ends)][0]:02d}")
+        r.found.append(
+            (
+                int(w.line_start[late[0]]),
+                warning("after-end", what, r.spans.at(int(w.line_start[late[0]]))),
+            )
+        )
+    rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
+    runs = None
+    if modes is not None:
+        still = np.ones(len(rows), bool)
+        for k in "XY":
+            still &= grid(starts_nm[k][rows]) == grid(ends_nm[k][rows])
+        runs = runs_of(r, rows, motion[rows], still & (motion[rows] < 2), modes)
+    arcs = rows[motion[rows] >= 2]
+    by_rule = centres_by_rule(arcs, rules, nm, distance == 90, befores, starts_nm, ends_nm)
+    blocks, block_line, motions = _blocks(
+        r, rows, motion, nm, has, starts_nm, ends_nm, by_rule, runs
+    )
+
+    unknown = np.zeros(len(w.letter), bool)
+    kinds = np.full(len(m_rows), int(Kind.WORD))
+    kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
+    kinds[np.isin(codes, ends)] = Kind.STOP
+    plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
+    plain_word &= m_lines <= stop_line
+    turns = np.zeros(len(w.letter), bool)
+    turns[m_rows[plain_word & np.isin(codes, iso.TURNS)]] = True
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        turns,
+        "turns the part or changes modes at some machines",
+        who_knows(r, turns, "no profile knows what it does; take it out where it changes no path"),
+    )
+    unknown[m_rows[plain_word]] = True
+    unknown &= ~turns
+    r.tell_words(
+        Severity.WARNING,
+        "unknown-word",
+        unknown,
+        f"no M word of the profile {r.machine.name}; kept as a control record"
+        if vocabulary_of(r)
+        else "an M word that is not known here; kept as a control record",
+        who_knows(r, unknown, "a profile of your own can say what it does: [iso.words]"),
+    )
+    keep = m_lines <= stop_line
+    if len(stop):
+        keep &= m_rows <= stop[0]
+    controls = np.zeros(int(keep.sum()), BLOCK)
+    controls["kind"], controls["source"] = kinds[keep], -1
+    # A control word in a line with a motion comes after it, except that the order is the file's.
+    every = np.concatenate([blocks, controls])
+    key = np.concatenate([2 * block_line, 2 * m_lines[keep] + 1])
+    order = np.argsort(key, kind="stable")
+    every, line = every[order], np.concatenate([block_line, m_lines[keep]])[order]
+    names = np.concatenate([np.full(len(blocks), -1), codes[keep]])[order]
+    moved = b3.moves(every["kind"]) & (every["kind"] == Kind.LINE)
+    mark = every["source"].astype(np.int64)
+    every["source"] = -1
+    if runs is not None:  # a line in compensation, or one that says G40 itself, cuts
+        moved[(mark >= 0) & runs.cuts[mark]] = False
+    every["kind"][moved] = Kind.MOVE
+    words = tuple((int(i), f"M{names[i]:02d}") for i in np.flatnonzero(every["kind"] == Kind.WORD))
+    size = np.maximum(w.line_end[line] - w.line_start[line], 1).astype(np.int32)
+    spans = TextSpans(r.file, r.plain.codes, w.line_start[line], size)
+    if not len(rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
+        what = "no ISO record with a motion in this file"
+        r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
+    return Programmed(Program(every, spans=spans, words=words), mark, motions), r.findings()
+
+
+def _blocks(
+    r: Reading,
+    rows: Ints,
+    motion: Ints,
+    nm: dict[str, Ints],
+    has: dict[str, Bools],
+    starts_nm: dict[str, Ints],
+    ends_nm: dict[str, Ints],
+    centres: Centres,
+    runs: Runs | None,
+) -> tuple[NDArray[np.void], Ints, NDArray[np.void]]:
+    """Return the blocks of the motions in ``rows``, the line of each, and the motions of runs.
+
+    ``source`` of a block is the row of the motions of runs that it stands for, else -1.
+    """
+    arcs = rows[motion[rows] >= 2]
+    sx, sy = grid(starts_nm["X"][arcs]), grid(starts_nm["Y"][arcs])
+    ex, ey = grid(ends_nm["X"][arcs]), grid(ends_nm["Y"][arcs])
+    turn = np.where(motion[arcs] == 3, 1, -1)
+    same_nm = (starts_nm["X"][arcs] == ends_nm["X"][arcs]) & (
+        starts_nm["Y"][arcs] == ends_nm["Y"][arcs]
+    )
+    by_radius = has["R"][arcs]
+    exact = [c / 1000.0 for c in centres.exact_nm]
+    cx, cy = map(grid, centres.exact_nm)
+    both = by_radius & (has["I"] | has["J"])[arcs]
+    neither = ~by_radius & ~(has["I"] | has["J"])[arcs]
+    err = Severity.ERROR
+
+    def tell(mask: Bools, message: Callable[[int], str], hint: str | None = None) -> None:
+        where = np.flatnonzero(mask & ~r.bad[arcs])
+        r.tell_lines(err, "iso-arc", arcs[where], lambda i: message(int(where[i])), hint)
+
+    tell(both, lambda i: "both a centre (I, J) and a radius R")
+    tell(neither, lambda i: "an arc without a centre (I, J) or a radius R")
+    alone = (has["I"] ^ has["J"])[arcs] & centres.by_place & (centres.shift > 0) & ~both
+    tell(alone, lambda i: "I or J alone: the place of a centre is both")
+    tell(
+        by_radius & same_nm, lambda i: "R with an end that is the start: the centre may be anywhere"
+    )
+    of_radius = by_radius & ~same_nm
+    found = centres_of(tell, of_radius, sx, sy, ex, ey, turn, nm["R"][arcs])
+    cx, cy = (np.where(of_radius, nearest(f), c) for f, c in zip(found, (cx, cy), strict=True))
+    exact = [np.where(of_radius, f, c) for f, c in zip(found, exact, strict=True)]
+    x, y, fx, fy = sx - cx, sy - cy, ex - cx, ey - cy
+    radius, reach = np.hypot(x, y), np.hypot(fx, fy)
+    tell(
+        (x * x + y * y < 2) & ~both & ~neither,  # as in 3B: no step leads round
+        lambda i: (
+            "the centre is the start: the arc has no radius"
+            if radius[i] == 0
+            else "the arc starts 0.001 mm from its centre and never ends"
+        ),
+    )
+    off = np.abs(reach - radius)
+    stated = ~by_radius & ~neither
+    ask(r, arcs, stated, centres)
+    tell_far(
+        tell,
+        off > iso.END_UM,
+        stated,
+        lambda i: (
+            f"the end lies {off[i]:.1f} um from the circle: the start is {radius[i] / 1000:.3f} mm "
+            f"from the centre, the end {reach[i] / 1000:.3f} mm"
+        ),
+        centres,
+    )
+    motions = np.zeros(0, PROGRAMMED)
+    if runs is not None:
+        motions = _programmed(runs, starts_nm, ends_nm, arcs, turn, exact)
+    good = ~r.bad[arcs]
+    if runs is not None:
+        good &= runs.of[arcs] < 0
+    arcs, turn, x, y, fx, fy = (v[good] for v in (arcs, turn, x, y, fx, fy))
+    same_nm = same_nm[good]
+    made, rest_x, rest_y = stepped_arcs(r, arcs, turn, x, y, fx, fy, same_nm)
+
+    ran = rows[:0] if runs is None else runs.line[~r.bad[runs.line]]
+    straight = (motion[rows] < 2) & ~r.bad[rows]
+    if runs is not None:
+        straight &= runs.of[rows] < 0
+    lines = rows[straight]
+    goes = np.zeros(len(lines), BLOCK)
+    goes["kind"] = np.where(motion[lines] == 0, int(Kind.MOVE), int(Kind.LINE))
+    for k, name in (("X", "x"), ("Y", "y")):
+        goes[name] = grid(ends_nm[k][lines]) - grid(starts_nm[k][lines])
+    rest = np.zeros(len(arcs), BLOCK)
+    rest["kind"], rest["x"], rest["y"] = Kind.LINE, rest_x, rest_y
+    stepping = r.machine.own_stepping
+    for part in (goes, rest):
+        part["axis"], part["count"] = stepping.line_count(part["x"], part["y"])
+    for part in (goes, made, rest):
+        part["source"] = -1
+    place = np.zeros(len(ran), BLOCK)  # what a controller makes of it is not known here
+    place["kind"] = np.where(motion[ran] == 0, int(Kind.MOVE), int(Kind.LINE))
+    place["x"], place["count"] = 1, 1
+    if runs is not None:
+        place["source"] = runs.of[ran]
+    every = np.concatenate([goes, made, rest, place])
+    key = np.concatenate([2 * lines, 2 * arcs, 2 * arcs + 1, 2 * ran])
+    still = every["count"] == 0
+    nothing = np.flatnonzero(still[: len(lines)])
+    r.tell_lines(
+        Severity.NOTE, "iso-ignored", lines[nothing], lambda i: "a motion of length 0: no block"
+    )
+    order = np.argsort(key, kind="stable")
+    order = order[~still[order]]
+    return every[order], key[order] // 2, motions
+
+
+def _programmed(
+    runs: Runs,
+    starts_nm: dict[str, Ints],
+    ends_nm: dict[str, Ints],
+    arcs: Ints,
+    turn: Ints,
+    centre: list[Floats],
+) -> NDArray[np.void]:
+    """Return the motions of runs as they are programmed."""
+    out = np.zeros(len(runs.line), PROGRAMMED)
+    for name in ("role", "shift", "d", "run"):
+        out[name] = getattr(runs, name)
+    for k, name in (("X", "x"), ("Y", "y")):
+        out[f"{name}0"] = starts_nm[k][runs.line] / 1000.0
+        out[f"{name}1"] = ends_nm[k][runs.line] / 1000.0
+    mine = runs.of[arcs]
+    some = mine >= 0
+    out["turn"][mine[some]] = turn[some]
+    out["cx"][mine[some]], out["cy"][mine[some]] = centre[0][some], centre[1][some]
+    return out

@@ -1,0 +1,191 @@
+"""One ISO text while it is read: its words, its lines as columns, and what was found in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Diagnostic, Severity
+from wedmcam.formats.listing import in_order, listed
+from wedmcam.frontends.iso.dialect import Dialect, Question, completed
+from wedmcam.frontends.iso.offsets import tables_of
+from wedmcam.frontends.iso.words import Words, with_numbers, words_of
+from wedmcam.frontends.plain import Plain, TextSpans, plain
+from wedmcam.machines import Machine
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+#: So many different words are named in one finding; others are counted.
+NAMED = 24
+#: Codes of findings on a path: another unit or rule has others.
+_DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
+
+
+class Reading:
+    """Findings of one text, and its lines as columns.
+
+    ``said`` is what was said beside the text, ``dialect`` that and what its profile says.
+    """
+
+    def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
+        self.plain: Plain = plain(data)
+        self.machine, self.file = machine, file
+        self.said, self.dialect = dialect, completed(dialect, machine.iso)
+        codes, self.entries, self.conditions = tables_of(with_numbers(self.plain.codes))
+        self.words: Words = words_of(codes, self.dialect.semicolon == "block")
+        self.lines = len(self.words.line_start)
+        self.titles = self.words.titles()
+        if len(self.titles):
+            self.words = self.words.without(self.titles)
+        size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
+        self.spans = TextSpans(file, self.plain.codes, self.words.line_start, size)
+        self.found: list[tuple[int, Diagnostic]] = []
+        self.questions: list[Question] = []
+        self.bad: Bools = np.zeros(self.lines, bool)
+        #: How subprograms are run, as the user or the profile says; None where neither does.
+        self.subprograms: str | None = dialect.subprograms
+        if dialect.named and dialect.subprograms is None and machine.iso.subprograms != "none":
+            self.subprograms = machine.iso.subprograms
+        #: Of each line that is run its line in the text; None where that is the same.
+        self.order: Ints | None = None
+        #: Calls are not run: what is found on the path is another's.
+        self.unrun = False
+        self._ends = self.words.line_end
+        self._first_run = np.zeros(0, np.int64)
+
+    def run_in(self, order: Ints) -> None:
+        """Put lines of the text in the order in which they are run: often, once, or not at all."""
+        self.order = order
+        self._first_run = np.full(self.lines, len(order) - 1)
+        self._first_run[order[::-1]] = np.arange(len(order))[::-1]
+        self.words = self.words.in_order(order)
+        self.bad = self.bad[order]
+        self.lines = len(order)
+        size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
+        self.spans = TextSpans(self.file, self.plain.codes, self.words.line_start, size)
+
+    def line_of(self, at: int) -> int:
+        """Return the first line that is run of which a character is; the last for one of none."""
+        line = int(np.searchsorted(self._ends, at))
+        return line if self.order is None else int(self._first_run[line])
+
+    def tell_words(
+        self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None
+    ) -> None:
+        """Report words, warnings with every different word and how often it stands there.
+
+        The lines of errors are not read.
+        """
+        w = self.words
+        where = np.flatnonzero(mask)
+        if severity is Severity.ERROR:
+            self.bad[w.line[where]] = True
+        if self.order is not None:  # once for each place in the text
+            where = where[np.unique(w.start[where], return_index=True)[1]]
+        if severity is not Severity.ERROR:
+            if len(where):
+                at, end = int(w.start[where[0]]), int(w.end[where[0]])
+                what = f"{self.named(where)}: {why}"
+                place = self.spans.at(at, end - at)
+                count = len(where)
+                self.found.append(
+                    (at, Diagnostic(severity, code, what, place, hint=hint, count=count))
+                )
+            return
+        for i, d in listed(
+            severity,
+            code,
+            where,
+            lambda i: self.spans.at(int(w.start[i]), int(w.end[i] - w.start[i])),
+            lambda i: f"{self.plain.excerpt(int(w.start[i]), int(w.end[i]))}: {why}",
+            hint,
+        ):
+            self.found.append((int(w.start[i]), d))
+
+    def named(self, where: Ints) -> str:
+        """Return the different ones of some words, in their order, each with its count."""
+        w = self.words
+        # Letter, digits and decimals as one number: 12 digits leave room for both.
+        key = (w.whole[where] * 16 + np.minimum(w.decimals[where], 15)) * 128 + w.letter[where]
+        _, first, many = np.unique(key, return_index=True, return_counts=True)
+        order = np.argsort(first)
+        named = [
+            self.plain.excerpt(int(w.start[i]), int(w.end[i])) + (f" ({n} times)" if n > 1 else "")
+            for i, n in zip(
+                where[first[order[:NAMED]]].tolist(), many[order].tolist(), strict=False
+            )
+        ]
+        rest = int(many[order[NAMED:]].sum())
+        return ", ".join(named) + (f" and {rest} more" if rest else "")
+
+    def tell_lines(
+        self,
+        severity: Severity,
+        code: str,
+        where: Ints,
+        message: Callable[[int], str],
+        hint: str | None = None,
+    ) -> None:
+        """Report lines, by index into ``where``; of warnings the first, with how many there are."""
+        places = np.arange(len(where))
+        if self.order is not None:  # once for each line of the text
+            places = np.unique(self.order[where], return_index=True)[1]
+        quiet = severity is not Severity.ERROR and len(places) > 1
+        many = f" ({len(places)} lines)" if quiet else ""
+        for i, d in listed(
+            severity,
+            code,
+            places,
+            lambda i: self.spans[int(where[i])],
+            lambda i: message(i) + many,
+            hint,
+        ):
+            self.found.append((int(self.words.line_start[where[i]]), d))
+        if severity is Severity.ERROR:
+            self.bad[where] = True
+
+    def findings(self) -> list[Diagnostic]:
+        """Return what was found: what had to be assumed or asked first, then all by its place."""
+        questions = sorted(self.questions, key=lambda q: q.at)
+        shown = self.dialect.shown
+        asked = [q.finding(self.spans, shown) for q in questions]
+        found = in_order(self.found)
+        if (asked and not shown) or self.unrun:  # what depends on the answers is said with them
+            found = [d for d in found if d.code not in _DEPEND]
+        return [*asked, *found]
+
+    def tell_stated(self, line: Ints, code: str, option: str) -> None:
+        """Warn that the file says itself, and otherwise, what an option says."""
+        self.tell_lines(
+            Severity.WARNING,
+            "iso-stated",
+            line,
+            lambda i: f"{code} is in force here: {option} says otherwise, and has no effect",
+            f"leave {option} out, or correct the program",
+        )
+
+
+def filled(values: Ints, has: Bools, start: int) -> Ints:
+    """Return a mode for every line: the last one that was set."""
+    last = np.maximum.accumulate(np.where(has, np.arange(len(has)), -1))
+    return np.where(last >= 0, values[np.maximum(last, 0)], start)
+
+
+def column(r: Reading, letter: str) -> tuple[Ints, Bools, Bools, Ints]:
+    """Return for each line the digits of a word, whether it is there, pointed, its decimals."""
+    w = r.words
+    mask = (w.letter == ord(letter)) & w.good
+    lines = w.line[mask]
+    twice = np.zeros(len(w.line), bool)
+    twice[np.flatnonzero(mask)[1:][lines[1:] == lines[:-1]]] = True
+    r.tell_words(Severity.ERROR, "iso-word", twice, f"a second {letter} in one line")
+    value, decimals = np.zeros(r.lines, np.int64), np.zeros(r.lines, np.int64)
+    has, pointed = np.zeros(r.lines, bool), np.zeros(r.lines, bool)
+    # Nine decimals are a thousandth of a nanometre of an inch; further ones are rounded away.
+    over = np.maximum(w.decimals[mask] - 9, 0)
+    value[lines], has[lines] = (w.whole[mask] + 10**over // 2) // 10**over, True
+    pointed[lines], decimals[lines] = w.pointed[mask], w.decimals[mask] - over
+    return value, has, pointed, decimals

@@ -1,0 +1,527 @@
+"""In which order the lines of an ISO program are run: `M98` runs those of a subprogram.
+
+A controller runs the lines of a subprogram in the place of each call, and modes and places go on
+through it. So the lines are put in the order in which they are run before anything else is read;
+everything behind this module sees one long program. How long it gets, and how deep calls are
+nested, is counted before a line is repeated.
+
+Sources: "N-label" is what SodickDXFCoder writes for Sodick (github.com/Meconer/SodickDXFCoder:
+``M98 P0001``, M02 or M199 at the end of the main program, then ``N0001`` to ``M99``), with L as the
+number of repetitions (cncwirecut.blogspot.com, *Definition of Words*; Galil's M98 reads the same).
+"O-number" is Fanuc's (B-64124EN 12.3: M99 and M98 may stand behind a motion, which comes first;
+``P51002`` runs O1002 five times) and LinuxCNC's (*O Codes*, Fanuc-style programs: L, and M99 in the
+main program runs without end). Eight levels: Mitsubishi's *Subprogram Call: M98, M99*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Severity, note, warning
+from wedmcam.formats import iso
+from wedmcam.frontends.iso import dialect as dialects
+from wedmcam.frontends.iso.reading import Reading
+from wedmcam.frontends.iso.words import Words
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+#: How deep calls may be nested: subprograms that are open at once.
+DEEPEST = 8
+#: Lines that may be run in all.
+MOST_LINES = 1_000_000
+#: So many labels are named in a finding; others are counted.
+NAMED = 8
+#: Styles that run subprograms, and the letter of their labels.
+STYLES = {"N-label": "N", "O-number": "O"}
+#: Letters that may stand beside M98, beyond P and L: modes, and what changes no path.
+_BESIDE = b"NGMCFSTE"
+#: What goes somewhere, and may stand beside M98 and M99 of "O-number" only: the motion comes first.
+_MOTION = b"XYIJR"
+#: Hint of a call that is wrong, beside what it says itself.
+_FORM = "a call is M98 P0001, or M98 P0001 L3 to run it three times"
+_BEHIND = "subprograms stand behind the end (M02) of the main program, each ends with M99"
+
+
+@dataclass(slots=True, eq=False)
+class Plan:
+    """How a text is run in one style, or why it cannot be.
+
+    Attributes:
+        style: key of `STYLES`.
+        end: the line that ends the main program.
+        wrong: lines, what is wrong there by index into them, and what to do.
+        spent: words that are read no more: those that call, return, and name programs.
+        line, row, back: of each label its line, its word, and the line of the next M99; one past
+            the last line where there is none.
+        call: lines with M98, in the order of the text. target: the label that each runs, -1 for
+            none. times: how often.
+        live: calls that are reached from the main program. used: labels likewise.
+        low, high: of each label, the first call in its subprogram and the first behind it.
+        runs: how often each label is run.
+    """
+
+    style: str
+    end: int
+    spent: Bools
+    line: Ints
+    row: Ints
+    back: Ints
+    call: Ints
+    target: Ints
+    times: Ints
+    live: Bools
+    used: Bools
+    low: Ints
+    high: Ints
+    runs: Ints
+    wrong: list[tuple[Ints, Callable[[int], str], str]] = field(default_factory=list)
+
+    def refuse(self, lines: Ints, what: Callable[[int], str] | str, hint: str) -> None:
+        """Keep what is wrong with some lines."""
+        if len(lines):
+            self.wrong.append((lines, what if callable(what) else lambda i: what, hint))
+
+    def within(self, of_call: Ints) -> Ints:
+        """Return the sum of a figure of each call over the calls of each subprogram."""
+        summed = np.append(0, np.cumsum(of_call))
+        found: Ints = summed[self.high] - summed[self.low]
+        return found
+
+
+def ends_of(style: str | None) -> tuple[int, ...]:
+    """Return the M codes that end a program: M199 too where Sodick's labels are run."""
+    return (*iso.ENDS, iso.END_OF_LABELS) if style == "N-label" else iso.ENDS
+
+
+def run_subprograms(r: Reading) -> None:
+    """Put the lines in the order in which they are run, and report what cannot be.
+
+    A text without M98 and M99 in its main program is left as it is. Where nothing says the style,
+    it is asked; what only shows takes the one that fits, and where none does, it is refused there
+    too: the lines of a subprogram, run where they stand, are another path.
+    """
+    w = r.words
+    rows = np.flatnonzero(w.letter == ord("M"))
+    if not np.isin(w.whole[rows], (98, 99)).any():
+        return
+    code = _codes(w)
+    said = r.subprograms
+    last = _last_of_main(w, code, said, r.lines)
+    calls = np.flatnonzero((code == 98) & (w.line <= last))
+    if not len(calls):
+        back = np.flatnonzero((code == 99) & (w.line <= last))
+        r.questions += dialects.of_returns(back, w, r.plain)
+        r.words = w.without_words(code == 99)
+        return
+    if said in STYLES:
+        plan = _plan_of(r, code, str(said))
+    else:
+        fits = [p for p in (_plan_of(r, code, style) for style in STYLES) if not p.wrong]
+        names = [p.style for p in fits]
+        asked = dialects.of_subprograms(calls, w, r.plain, names, said == "none")
+        runs = len(fits) == 1 and said != "none"
+        if r.dialect.shown and not runs:
+            r.found += [(q.at, q.finding(r.spans, shown=False)) for q in asked]
+        else:
+            r.questions += asked
+        if not r.dialect.shown or not runs:
+            _leave(r, code, iso.END_OF_LABELS)
+            return
+        plan = fits[0]
+    if plan.wrong:
+        for lines, what, hint in plan.wrong:
+            r.tell_lines(Severity.ERROR, "subprogram", lines, what, hint)
+        _leave(r, code)
+        return
+    r.subprograms = plan.style
+    _run(r, plan)
+
+
+def _codes(w: Words) -> Ints:
+    """Return the number of each M word, -1 for other words."""
+    m = (w.letter == ord("M")) & w.good & ~w.pointed
+    return np.where(m, w.whole, -1)
+
+
+def _last_of_main(w: Words, code: Ints, style: str | None, lines: int) -> int:
+    """Return the line that ends the main program: the last of the text where no word does."""
+    ends = w.line[np.isin(code, ends_of(style))]
+    return int(ends[0]) if len(ends) else lines - 1
+
+
+def _leave(r: Reading, code: Ints, *others: int) -> None:
+    """Take the words of calls out of a text that cannot be run, for they are reported.
+
+    ``others``: M codes that the answer to what is asked tells the meaning of.
+    """
+    w = r.words
+    here = np.zeros(r.lines, bool)
+    here[w.line[code == 98]] = True
+    words = np.isin(code, (98, 99, *others))
+    words |= here[w.line] & np.isin(w.letter, np.frombuffer(b"PL", np.uint8))
+    r.words = w.without_words(words)
+    r.unrun = True
+
+
+# --- what is run ----------------------------------------------------------------------------------
+
+
+def _plan_of(r: Reading, code: Ints, style: str) -> Plan:
+    """Return how the text is run in a style."""
+    w = r.words
+    end = _last_of_main(w, code, style, r.lines)
+    opens = np.ones(len(w.line), bool)
+    opens[1:] = w.line[1:] != w.line[:-1]
+    whole = w.good & ~w.pointed & (w.whole >= 0)
+    labels = np.flatnonzero(opens & whole & (w.letter == ord(STYLES[style])))
+    backs = np.unique(w.line[code == 99])
+    line = w.line[labels]
+    back = np.append(backs, r.lines)[np.searchsorted(backs, line)]
+    call = np.unique(w.line[code == 98])
+    plan = Plan(
+        style,
+        end,
+        np.isin(code, (98, 99)),
+        line,
+        labels,
+        back,
+        call,
+        target=np.full(len(call), -1),
+        times=np.ones(len(call), np.int64),
+        live=call <= end,
+        used=np.zeros(len(labels), bool),
+        low=np.searchsorted(call, line),
+        high=np.searchsorted(call, back, "right"),
+        runs=np.zeros(len(labels), np.int64),
+    )
+    plan.low = np.minimum(plan.low, plan.high)
+    faults = _target(r, plan, whole)
+    _reach(plan)
+    for which, what, hint in faults:
+        at = np.flatnonzero(which & plan.live)
+        plan.refuse(call[at], _at(what, at), hint)
+    _check_lines(r, plan, code, backs)
+    _check_bodies(r, plan, code)
+    if not plan.wrong:
+        _count(r, plan)
+    return plan
+
+
+def _at(what: Callable[[int], str], rows: Ints) -> Callable[[int], str]:
+    return lambda i: what(int(rows[i]))
+
+
+_Fault = tuple[Bools, Callable[[int], str], str]
+
+
+def _target(r: Reading, plan: Plan, whole: Bools) -> list[_Fault]:
+    """Find what each call runs and how often; return which calls cannot be followed."""
+    w, call = r.words, plan.call
+    of = np.full(r.lines, -1)
+    of[call] = np.arange(len(call))
+    mine = of[w.line]
+
+    def numbers(letter: str, absent: int) -> tuple[Ints, Ints, Bools]:
+        rows = np.flatnonzero((mine >= 0) & (w.letter == ord(letter)))
+        value, wrong = np.full(len(call), absent), np.zeros(len(call), bool)
+        value[mine[rows]] = w.whole[rows]
+        wrong[mine[rows[~whole[rows]]]] = True
+        return value, np.bincount(mine[rows], minlength=len(call)), wrong
+
+    p, of_p, wrong_p = numbers("P", -1)
+    times, of_l, wrong_l = numbers("L", 1)
+    plan.spent |= (mine >= 0) & np.isin(w.letter, np.frombuffer(b"PL", np.uint8))
+    number = w.whole[plan.row]
+    known = np.unique(number)
+    packed = np.zeros(len(call), bool)
+    both = packed
+    if plan.style == "O-number":
+        plan.spent[plan.row] = True
+        # P51002: O1002 five times [B-64124EN 12.3].
+        packed = (p >= 10_000) & ~np.isin(p, known)
+        both = (p >= 10_000) & np.isin(p, known) & np.isin(p % 10_000, known)
+        times = np.where(packed, p // 10_000, times)
+        p = np.where(packed, p % 10_000, p)
+    plan.times = times
+    order = np.argsort(number, kind="stable")
+    first = np.searchsorted(number[order], p)
+    many = np.searchsorted(number[order], p, "right") - first
+    found = many > 0
+    plan.target[found] = order[first[found]]
+    letter = STYLES[plan.style]
+
+    def twice(i: int) -> str:
+        rows = plan.row[order[first[i] : first[i] + 2]]
+        a, b = (int(w.line[k]) for k in rows)
+        return f"{_word(r, int(rows[0]))} stands twice, in lines {a + 1} and {b + 1}"
+
+    no_p, ok = of_p == 0, (of_p == 1) & ~wrong_p
+    return [
+        (no_p, lambda i: "M98 without P: which subprogram is nowhere said", _FORM),
+        (~no_p & ~ok, lambda i: "P is the number of one subprogram, whole", _FORM),
+        (
+            (of_l > 1) | wrong_l | (times < 1),
+            lambda i: "L is how often the subprogram is run, whole, from 1 on",
+            _FORM,
+        ),
+        (
+            packed & (of_l > 0),
+            lambda i: "P of five digits or more holds the number of times already, and L gives one",
+            _FORM,
+        ),
+        (
+            both,
+            lambda i: (
+                f"both {letter}{p[i]} and {letter}{p[i] % 10_000:04d} are in the file: is P "
+                "the whole number, or the number of times and the last four digits?"
+            ),
+            "give one of the two subprograms another number",
+        ),
+        (
+            ok & ~found,
+            lambda i: f"no line opens with {letter}{p[i]:04d}; {_names(r, plan)}",
+            _BEHIND,
+        ),
+        (ok & (many > 1), twice, "give one of the two another number"),
+    ]
+
+
+def _word(r: Reading, row: int) -> str:
+    return r.plain.excerpt(int(r.words.start[row]), int(r.words.end[row]))
+
+
+def _names(r: Reading, plan: Plan) -> str:
+    """Return which labels a file has behind its main program."""
+    rows = plan.row[plan.line > plan.end]
+    if not len(rows):
+        return f"the file has no {STYLES[plan.style]} behind the end of the main program"
+    named = ", ".join(_word(r, int(row)) for row in rows[:NAMED])
+    more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
+    return f"the file has {named}{more}"
+
+
+def _reach(plan: Plan) -> None:
+    """Find which calls and labels the main program reaches; what is deeper than allowed, once."""
+    for _ in range(DEEPEST + 1):
+        new = np.unique(plan.target[plan.live & (plan.target >= 0)])
+        new = new[~plan.used[new]]
+        if not len(new):
+            return
+        plan.used[new] = True
+        edge = np.zeros(len(plan.call) + 1, np.int64)
+        np.add.at(edge, plan.low[new], 1)
+        np.add.at(edge, plan.high[new], -1)
+        plan.live |= np.cumsum(edge[:-1]) > 0
+
+
+def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
+    """Refuse words beside M98 and M99 of which the order, or the meaning, is nowhere stated."""
+    w = r.words
+    plan.refuse(
+        backs[backs <= plan.end],
+        "M99 in the main program: the machine runs it from its start again, without end",
+        _BEHIND,
+    )
+    motion = np.isin(w.letter, np.frombuffer(_MOTION, np.uint8))
+    motion |= (w.letter == ord("G")) & np.isin(w.whole, (4, 92))
+    called, returned = np.zeros(r.lines, bool), np.zeros(r.lines, bool)
+    called[plan.call[plan.live]] = True
+    returned[plan.back[plan.used & (plan.back < r.lines)]] = True
+    here = called | returned
+    many = np.bincount(w.line[w.letter == ord("M")], minlength=r.lines)
+    plan.refuse(
+        np.flatnonzero(here & (many > 1)),
+        "another M word in a line with M98 or M99: which comes first is nowhere said",
+        "write each into a line of its own",
+    )
+    beside = np.isin(w.letter, np.frombuffer(_BESIDE, np.uint8)) & ~motion
+    plain_call = beside | np.isin(w.letter, np.frombuffer(b"PL", np.uint8))
+    plain_back = beside | np.isin(w.letter, np.frombuffer(b"DH", np.uint8))
+    if plan.style == "O-number":
+        moves = motion & (w.letter != ord("G"))
+        opens = w.letter == ord("O")
+        plain_call, plain_back = plain_call | moves | opens, plain_back | moves | opens
+    other = (called[w.line] & ~plain_call) | (returned[w.line] & ~plain_back)
+    rows = np.flatnonzero(other)
+    rows = rows[np.unique(w.line[rows], return_index=True)[1]]
+
+    def strange(i: int) -> str:
+        row = int(rows[i])
+        if returned[w.line[row]] and w.letter[row] == ord("P"):
+            return f"{_word(r, row)} beside M99 goes on in another line: it is not followed"
+        kind = "a motion" if motion[row] else "a word"
+        with_ = "M98" if called[w.line[row]] else "M99"
+        return f"{_word(r, row)}: {kind} in a line with {with_}; what it does there is nowhere said"
+
+    plan.refuse(w.line[rows], strange, "write M98 and M99 into lines of their own")
+
+
+def _check_bodies(r: Reading, plan: Plan, code: Ints) -> None:
+    """Refuse subprograms that do not end, or of which the lines belong to the main program."""
+    w = r.words
+    called = np.flatnonzero(plan.live & (plan.target >= 0))
+    _, first = np.unique(plan.target[called], return_index=True)
+    called = called[np.sort(first)]
+    of = plan.target[called]
+    ends = np.unique(w.line[np.isin(code, ends_of(plan.style))])
+    inside = plan.line[of] <= plan.end
+
+    def name(i: int) -> str:
+        return _word(r, int(plan.row[i]))
+
+    def tell(mask: Bools, what: Callable[[int], str], hint: str = _BEHIND) -> None:
+        labels = of[mask]
+        plan.refuse(plan.call[called[mask]], lambda i: what(int(labels[i])), hint)
+
+    tell(inside, lambda i: f"{name(i)} is a line of the main program, and no subprogram")
+    ended = np.searchsorted(ends, plan.line[of])
+    stop = np.append(ends, r.lines)[ended]
+    last = np.where(plan.style == "O-number", np.append(plan.line, r.lines)[of + 1], r.lines)
+    endless = ~inside & (plan.back[of] >= np.minimum(last, r.lines))
+    tell(
+        endless & (stop >= last),
+        lambda i: f"{name(i)} has no M99: where the subprogram ends is nowhere said",
+    )
+    tell(
+        ~inside & (stop < np.minimum(last, plan.back[of])),
+        lambda i: f"{name(i)} ends the whole program (M02, M30) before its M99",
+    )
+    if plan.style == "O-number":
+        opens = w.line[0] if len(w.line) else 0
+        other = plan.line[(plan.line <= plan.end) & (plan.line > opens)]
+        plan.refuse(
+            other[:1], "another program begins here, and the one before it has no end", _BEHIND
+        )
+
+
+def _count(r: Reading, plan: Plan) -> None:
+    """Refuse calls that are nested too deep, and programs that get too long."""
+    own = plan.back - plan.line + 1
+    live, target = plan.live, np.maximum(plan.target, 0)
+    # Subprograms that open so many levels: themselves, and a chain of calls below.
+    deep = [np.ones(len(own), bool)]
+    for _ in range(DEEPEST):
+        deep.append(plan.within((live & deep[-1][target]).astype(np.int64)) > 0)
+    main = live & (plan.call <= plan.end)
+    if (main & deep[-1][target]).any():
+        _refuse_depth(r, plan, deep)
+        return
+    # Cut to what cannot overflow: a million calls of this size, this often.
+    most = 2 * MOST_LINES
+    times = np.minimum(plan.times, most)
+    size = np.minimum(own, most)
+    for _ in range(DEEPEST):
+        size = np.minimum(own + plan.within(np.where(live, times * size[target], 0)), most)
+    total = plan.end + 1 + int((times * size[target])[main].sum())
+    if total > MOST_LINES:
+        worst = int(np.flatnonzero(main)[np.argmax((times * size[target])[main])])
+        name = _word(r, int(plan.row[target[worst]]))
+        lines, often = int(size[target[worst]]), int(plan.times[worst])
+        over = "" if total < most else "more than "
+        plan.refuse(
+            plan.call[worst : worst + 1],
+            f"{over}{min(total, most):,} lines would be run, and at most {MOST_LINES:,} are: here "
+            f"{name} of {lines:,}{' or more' if lines == most else ''}, {_often(often)}",
+            "fewer repeats (L), or one program for each part",
+        )
+        return
+    added = np.zeros(len(own), np.int64)
+    np.add.at(added, target[main], plan.times[main])
+    while added.any():
+        plan.runs += added
+        edge = np.zeros(len(plan.call) + 1, np.int64)
+        np.add.at(edge, plan.low, added)
+        np.add.at(edge, plan.high, -added)
+        opened = np.where(live, np.cumsum(edge[:-1]), 0)
+        added = np.zeros(len(own), np.int64)
+        np.add.at(added, target[live], (opened * plan.times)[live])
+
+
+def _refuse_depth(r: Reading, plan: Plan, deep: list[Bools]) -> None:
+    """Refuse a chain of calls that is too deep, or goes round, by the names in it."""
+    chain: list[int] = []
+    calls = np.flatnonzero(plan.live & (plan.call <= plan.end))
+    for below in reversed(deep):
+        call = int(calls[below[plan.target[calls]]][0])
+        label = int(plan.target[call])
+        again = label in chain
+        chain.append(label)
+        if again:
+            break
+        calls = np.arange(plan.low[label], plan.high[label])
+    names = " > ".join(_word(r, int(plan.row[label])) for label in chain)
+    if again:
+        what, hint = f"{names}: a subprogram that runs itself never ends", "leave the call out"
+    else:
+        what = f"{names}: subprograms are nested at most {DEEPEST} deep"
+        hint = "write the lines of the last ones in the place of their calls"
+    plan.refuse(plan.call[call : call + 1], what, hint)
+
+
+# --- running it -----------------------------------------------------------------------------------
+
+
+def _order_of(r: Reading, plan: Plan) -> Ints:
+    """Return the lines in the order in which they are run."""
+    own = plan.back - plan.line + 1
+    of = np.full(r.lines, -1)
+    of[plan.call] = np.arange(len(plan.call))
+    order = np.arange(plan.end + 1)
+    calls = of[order]
+    while (calls >= 0).any():
+        open_ = calls >= 0
+        target = plan.target[calls]
+        sizes = 1 + np.where(open_, plan.times[calls] * own[target], 0)
+        source = np.repeat(np.arange(len(order)), sizes)
+        nth = np.arange(len(source)) - (np.cumsum(sizes) - sizes)[source]
+        body = plan.line[target[source]] + (nth - 1) % own[target[source]]
+        order = np.where(nth == 0, order[source], body)
+        calls = np.where(nth == 0, -1, of[order])
+    return order
+
+
+def _run(r: Reading, plan: Plan) -> None:
+    """Put the lines in their order, leave out those that are run nowhere, and say both."""
+    w = r.words
+    order = _order_of(r, plan)
+    done = np.zeros(r.lines, bool)
+    done[order] = True
+    filled = np.bincount(w.line, minlength=r.lines) > 0
+    blocks, lines = int(filled[order].sum()), int((filled & done).sum())
+    used = np.flatnonzero(plan.runs)
+    named = ", ".join(
+        f"{_word(r, int(plan.row[i]))} {'run ' if i == used[0] else ''}{_often(int(plan.runs[i]))}"
+        for i in used[:NAMED]
+    )
+    more = f" and {len(used) - NAMED} more" if len(used) > NAMED else ""
+    what = f"subprograms: {named}{more}; {blocks} blocks are run from {lines} lines"
+    at = int(w.line_start[plan.call[np.argmax(plan.live)]])
+    r.found.append((at, note("subprogram-run", what, r.spans.at(at))))
+    _tell_idle(r, plan, filled & ~done)
+    r.words = w.without_words(plan.spent)
+    r.run_in(order)
+
+
+def _often(times: int) -> str:
+    return "once" if times == 1 else f"{times:,} times"
+
+
+def _tell_idle(r: Reading, plan: Plan, idle: Bools) -> None:
+    """Warn of lines behind the end that no call runs, with the labels that they open with."""
+    lines = np.flatnonzero(idle)
+    if not len(lines):
+        return
+    # The first label of every stretch that ends with M99.
+    labels = np.flatnonzero(idle[plan.line])
+    first = np.unique(plan.back[labels], return_index=True)[1]
+    names = [_word(r, int(plan.row[i])) for i in labels[first[:NAMED]]]
+    more = f" and {len(first) - NAMED} more" if len(first) > NAMED else ""
+    called = f"; no call runs {', '.join(names)}{more}" if names else ""
+    at = int(r.words.line_start[lines[0]])
+    what = f"{len(lines)} lines behind the end of the main program are not run{called}"
+    r.found.append((at, warning("after-end", what, r.spans.at(at), count=len(lines))))

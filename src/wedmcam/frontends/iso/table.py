@@ -1,0 +1,163 @@
+"""Which table of offsets counts: that of the file, of the user, or of a drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from decimal import Decimal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.diag import Severity, error, note, warning
+from wedmcam.frontends.iso import dialect as dialects
+from wedmcam.frontends.iso.dialect import UNSAID
+from wedmcam.frontends.iso.lengths import MOST_NM, digit_nm, point_nm
+from wedmcam.frontends.iso.modes import Modes, Table
+from wedmcam.frontends.iso.reading import Reading, column, filled
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """What offsets are read by: the table that is given, whether assumed, and the unit a line."""
+
+    given: Table | None
+    assumed: bool
+    inches: Ints
+
+
+def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Tables) -> Modes | None:
+    """Return the state of compensation at every line; None where there is none, or no table."""
+    _tell_tables(r, bool(offsets.any()))
+    if not offsets.any():
+        return None
+    value, has, pointed, _ = column(r, "D")
+    letter = "D"
+    h_value, h_has, h_pointed, _ = column(r, "H")
+    both = np.flatnonzero(h_has) if has.any() else np.zeros(0, np.int64)
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-d",
+        both,
+        lambda i: "D and H both number offsets in this file: which of them counts is nowhere said",
+        "leave one of them out",
+    )
+    if len(both):
+        return None
+    if h_has.any():
+        letter, value, has, pointed = "H", h_value, h_has, h_pointed
+    wrong = has & (pointed | (value < 0))
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-d",
+        np.flatnonzero(wrong),
+        lambda i: (
+            f"{letter} is the number of an offset in the controller's table: whole, from 0 on"
+        ),
+        f"{letter} with the number of the offset, such as G41 {letter}1",
+    )
+    if wrong.any():
+        return None
+    d = filled(value, has, -1)
+    used: list[int] = np.unique(d[r.words.line[offsets]]).tolist()
+    first = int(np.argmax(offsets))
+    filed = _filed(r, tables.inches, (int(r.words.line[first]), int(r.words.start[first])))
+    if filed is None:
+        return None
+    table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
+    missing = [n for n in used if n not in filed] if tables.given is None else []
+    if missing:
+        given = " ".join(f"--d {max(n, 1)}=0.1mm" for n in missing)
+        called = ", ".join(f"no {letter} at all" if n < 0 else f"{letter}{n}" for n in missing)
+        r.tell_words(
+            Severity.ERROR,
+            "iso-compensation",
+            offsets,
+            f"the controller offsets the path itself, by a table that the file has not ({called})",
+            f"give what is entered at the controller: {given}",
+        )
+        return None
+    return Modes(filled(*comp, 40), comp[1], d, table, letter)
+
+
+def _tell_tables(r: Reading, used: bool) -> None:
+    """Report tables of a file that change nothing."""
+    for a, b in r.conditions[:1]:
+        many = f" ({len(r.conditions)} lines)" if len(r.conditions) > 1 else ""
+        what = f"{r.plain.excerpt(a, b)}: a table of conditions, not read{many}"
+        hint = "feed, generator and offset tables are set at the machine"
+        said = warning("iso-ignored", what, r.spans.at(a, b - a), hint=hint)
+        r.found.append((a, replace(said, count=len(r.conditions))))
+    if r.entries and not used:
+        one, size = r.entries[0], len(r.entries)
+        what = f"{r.plain.excerpt(one.at, one.end)}: no G41 or G42 uses this table ({size} offsets)"
+        place = r.spans.at(one.at, one.end - one.at)
+        r.found.append((one.at, note("iso-offsets", what, place, count=size)))
+
+
+def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, float] | None:
+    """Return the offsets of the file's own table, number to um; None where it cannot be read.
+
+    ``first_use``: the line that runs the first G41 or G42, and where in the text that stands.
+    """
+    stated = np.unique(inches[inches != UNSAID])
+    nm: dict[int, Decimal] = {}
+    wrong = False
+    for entry in r.entries:
+        line = r.line_of(entry.at)
+        inch = int(inches[line]) if len(stated) != 1 else int(stated[0])
+        point, digit = point_nm(r, inch), digit_nm(r, inch)
+        value = entry.pointed * point + entry.whole * (digit or 0)
+        value += sum(sign * nm.get(n, Decimal(0)) for sign, n in entry.refers)
+        unset = [n for _, n in entry.refers if n not in nm]
+        problem = None
+        if unset:
+            problem = f"H{unset[0]} is set nowhere before it"
+        elif (line, entry.at) > first_use:
+            problem = "it is set behind the first G41 or G42: what was in force there is not known"
+        elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
+            problem = "the file has inches and mm, and neither is in force here"
+        elif entry.whole and digit is None:
+            problem = "a whole number in inches: what its last digit is stands nowhere"
+        elif nm.setdefault(entry.number, value) != value:
+            problem = "the offset is set twice, to different values"
+        elif value < 0 or value > MOST_NM:
+            problem = "an offset is from 0 to a kilometre; G41 and G42 tell the side"
+        place = r.spans.at(entry.at, entry.end - entry.at)
+        if problem is not None:
+            text = f"{r.plain.excerpt(entry.at, entry.end)}: {problem}"
+            hint = "put the table right, in front of the first G41 or G42"
+            r.found.append((entry.at, error("iso-d", text, place, hint=hint)))
+            wrong = True
+    r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
+    return None if wrong else {n: float(v / 1000) for n, v in nm.items()}
+
+
+def _merged(
+    r: Reading, tables: Tables, filed: dict[int, float], used: list[int], letter: str
+) -> Table:
+    """Return the table that counts, and say which it is where the file has one."""
+    if not filed:
+        return tables.given or filed.get
+    step = r.machine.axes.step_um / 1000
+    entered = {n: tables.given(n) for n in used} if tables.given is not None else {}
+    for n in used:
+        mine, other = filed.get(n), entered.get(n)
+        if mine is None or (mine == 0 and other is None):
+            continue
+        entry = next(e for e in r.entries if e.number == n)
+        place = r.spans.at(entry.at, entry.end - entry.at)
+        what = f"{letter}{n} = {mine * step:.4f} mm, of the table in the file"
+        if other is None or abs(other - mine) < 0.05:
+            r.found.append((entry.at, note("iso-offsets", what, place)))
+            continue
+        which = "that of the drawing" if tables.assumed else "--d"
+        wins = "the table of the file" if tables.assumed else "--d"
+        what += f"; {which} is {other * step:.4f} mm: {wins} counts"
+        hint = "see which is entered at the machine"
+        r.found.append((entry.at, warning("iso-offsets", what, place, hint=hint)))
+    own = {n: um for n, um in filed.items() if tables.assumed or entered.get(n) is None}
+    given = tables.given
+    return lambda n: own[n] if n in own else given(n) if given is not None else None

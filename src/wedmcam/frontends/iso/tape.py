@@ -1,0 +1,80 @@
+"""What of an ISO file is run at all: from the number of the program to its end.
+
+A percent sign opens a tape and the next one ends it; M02 and M30 end the program before. What
+stands behind was never run by any machine, so nothing of it is read. The number of a program
+(``O1234``, ``:1234``, ``L002``) is its name, and no call.
+
+Sources: Fanuc's operator's manuals (O in EIA code, a colon in ISO code, and the four digits that
+follow it are the number); for L002 programs of Mitsubishi machines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from wedmcam.diag import Severity, warning
+from wedmcam.formats import iso
+from wedmcam.frontends.iso.reading import Reading
+
+
+def behind(count: int, by: str) -> str:
+    """Return in words that blocks stand behind the end of a program.
+
+    >>> behind(1, "M02"), behind(3, "%")
+    ('a block behind the end (M02): not run', '3 blocks behind the end (%): not run')
+    """
+    return f"{f'{count} blocks' if count > 1 else 'a block'} behind the end ({by}): not run"
+
+
+def take_end(r: Reading) -> None:
+    """Take what stands behind the end of the program out, and say how much of it moves.
+
+    Where subprograms are called, they stand behind the end of the main program, on the same tape.
+    """
+    w = r.words
+    m = (w.letter == ord("M")) & w.good & ~w.pointed
+    calls = np.isin(w.whole[m], iso.SUBPROGRAMS).any()
+    m &= np.isin(w.whole, () if calls else iso.ENDS)
+    ends = w.percents[w.percents > w.start[0]][:1] if len(w.start) else w.percents[:0]
+    by = "%"
+    end = int(ends[0]) if len(ends) else len(r.plain.codes)
+    stop = np.flatnonzero(m)[:1]
+    if len(stop) and int(w.start[stop[0]]) < end:
+        end = int(w.line_end[w.line[stop[0]]])
+        by = r.plain.excerpt(int(w.start[stop[0]]), int(w.end[stop[0]]))
+    gone = w.start >= end
+    torn = ~gone & (w.end > end)  # a number with a percent sign in it
+    if not gone.any() and not torn.any() and not len(w.stray):
+        return
+    goes = np.isin(w.letter, np.frombuffer(b"XYIJR", np.uint8))
+    late = np.unique(w.line[gone & goes])
+    if len(late):
+        at = int(w.start[gone & goes][0])
+        said = warning(
+            "after-end", behind(len(late), by), r.spans.at(at), hint="one program a file"
+        )
+        r.found.append((at, said))
+    last = int(np.searchsorted(w.line_end, end))
+    r.words = replace(
+        w.without_words(gone),
+        stray=w.stray[w.stray < end],
+        skipped=w.skipped[w.skipped <= last],
+        good=w.good[~gone] & ~torn[~gone],
+    )
+    r.titles = r.titles[r.titles <= last]
+
+
+def take_number(r: Reading) -> None:
+    """Take the number of the program out, where it is the first word of the file."""
+    w = r.words
+    if not len(w.letter) or w.letter[0] not in b"OL" or not w.good[0] or w.pointed[0]:
+        return
+    alone = len(w.line) == 1 or w.line[1] > w.line[0]
+    if w.letter[0] == ord("L") and not alone:
+        return
+    first = np.zeros(len(w.line), bool)
+    first[0] = True
+    r.tell_words(Severity.NOTE, "iso-ignored", first, "the number of the program: its name")
+    r.words = w.without_words(first)

@@ -31,6 +31,28 @@ def behind_end(footer: Sequence[str]) -> list[str]:
     return [word for word in words if not _IDLE.fullmatch(word)]
 
 
+def modes(header: Sequence[str], feed: bool) -> list[tuple[str, str]]:
+    """Return the codes that a header leaves in force and no proof sees, each with what it does.
+
+    Args:
+        header: lines in front of a program; of codes of one kind the last counts.
+        feed: the program holds F.
+
+    >>> modes(["G61 G64 P0.5", "G93 G94"], True)
+    [('G64', 'the controller may round corners')]
+    """
+    text = re.sub(r"\s", "", " ".join(_TEXT.sub("", line) for line in header)).upper()
+    last = {}
+    for code in re.findall(r"G0*(6[14]|9[345])(?![\d.])", text):
+        last[code[0]] = code
+    found = []
+    if last.get("6") == "64":
+        found.append(("G64", "the controller may round corners"))
+    if feed and last.get("9", "94") != "94":
+        found.append((f"G{last['9']}", "F is no length a minute"))
+    return found
+
+
 def faults(header: Sequence[str], footer: Sequence[str]) -> list[tuple[str, str]]:
     """Return what is wrong with header and footer: which of them, and why.
 

@@ -190,9 +190,8 @@ def test_header_and_footer_of_iso_are_free_and_proven():
 
 @pytest.mark.parametrize("profile", ["linuxcnc", "grbl"])
 def test_the_example_of_the_page_is_read(profile):
-    page = (ROOT / "docs" / "iso.md").read_text("utf-8")
-    section = page[page.index(f"### `{profile}`") :]
-    text = re.search(r"```gcode\n(.*?)```", section, re.S)[1]
+    page = (ROOT / "docs" / f"iso-{profile}.md").read_text("utf-8")
+    text = re.search(r"```gcode\n(.*?)```", page, re.S)[1]
     program, found = read(text, profile)
     assert codes(found) == []
     assert len(program.blocks) > 5

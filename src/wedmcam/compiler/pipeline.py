@@ -73,7 +73,8 @@ def emitted(
     """A plan becomes bytes for one machine: what the operator enters, and the program."""
     from wedmcam.transforms.lower import lower
 
-    entries = run("enter", (target.entries(plan), ()))
+    refused = target.refuses_written
+    entries = run("enter", (target.entries(plan), () if refused is None else (refused,)))
     lowered = run("lower", lower(plan, target.rules(options.count)))
     data = run("encode", target.write(lowered, plan, entries, options))
     return entries, lowered, data

@@ -865,6 +865,13 @@ CODES: dict[str, Code] = {
         "them mean the same. In whole um (iso-um) one that takes numbers for mm goes metres.",
         "Nothing is needed; name the profile (--profile, or in a wedmcam.toml) and it is not said.",
     ),
+    "reads-only": Code(
+        "A program was to be written with a profile that only reads programs.",
+        "No source states enough of that machine's words to write for it, and a program in words "
+        "that it may not take is none.",
+        "Write with a profile that writes, or with one of your own made for the machine; "
+        "`wedmcam profile show NAME` prints one to start from, and `writes` is one of its keys.",
+    ),
     "feed-assumed": Code(
         "No cutting speed was given, and the controller demands F in a program.",
         "The F of the profile is written; it may be too fast for the plate.",

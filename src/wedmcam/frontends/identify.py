@@ -18,6 +18,7 @@ from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.words import with_numbers
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
+from wedmcam.frontends.style import lines_end, style_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +120,7 @@ def _iso(data: bytes) -> Identification | None:
     if data.count(b"\0") > len(data) // 8 and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return None
     codes, entries, _ = tables_of(with_numbers(plain(data).codes))
+    ended = lines_end(codes)
     codes = _ISO_COMMENT.sub(lambda m: b" " * len(m[0]), codes)
     at, motions, lines, last, bad = 0, 0, 0, -1, None
     coded, titles = False, 0
@@ -157,6 +159,8 @@ def _iso(data: bytes) -> Identification | None:
         numbers = sorted({(k, int(n)) for k, n in re.findall(rb"([DH]) *(\d{1,6})", codes)})
         given = ", ".join(f"{k.decode()}{n}" for k, n in numbers) or "no D"
         reason += f"; the controller offsets outlines (G41, G42) by its table: {given}"
+    if style := style_of(codes, "H" if entries else "", ended):
+        reason += f"; {style}"
     return Identification("iso", motions, last, bad, bad is None, reason)
 
 

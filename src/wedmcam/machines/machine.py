@@ -224,6 +224,8 @@ class Machine:
         layout: see `Layout`; used by 3B and, as far as it fits, by ISO.
         iso: see `Iso`; used by ISO.
         axes: see `Axes`.
+        writes: programs are written for it; else they are only read. A profile that only reads says
+            what a source states of its machine, and leaves the rest to the file and the user.
     """
 
     name: str
@@ -236,6 +238,7 @@ class Machine:
     layout: Layout = field(default_factory=Layout)
     iso: Iso = field(default_factory=Iso)
     axes: Axes = field(default_factory=Axes)
+    writes: bool = True
 
     @property
     def table(self) -> str:

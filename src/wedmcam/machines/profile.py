@@ -89,6 +89,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "format": _choice(*FORMATS, required=True),
         "line_table": _choice("mirror", "rotate", required=True),
         "count": _choice("exact", "textbook"),
+        "writes": _Key(bool, "true or false", lambda v: True, formats=_ISO),
     },
     "limits": {
         # 3B fields have six digits; the compact format stores J in three BCD bytes, a line's x and
@@ -378,6 +379,7 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
             layout=Layout(**layout),
             iso=Iso(**tables["iso"], words=vocabulary),
             axes=Axes(**tables["axes"]),
+            writes=top.get("writes", True),
         ),
         [],
     )

@@ -55,6 +55,11 @@ class Target(Protocol):
         ...
 
     @property
+    def refuses_written(self) -> Diagnostic | None:
+        """Why no program is written for it at all; None where one is."""
+        ...
+
+    @property
     def refuses_carried(self) -> Diagnostic | None:
         """Why no program of another format can become one of this; None where it can."""
         ...

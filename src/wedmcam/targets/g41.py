@@ -138,7 +138,7 @@ class Offsetting(Iso):
     @property
     def refuses_carried(self) -> Diagnostic | None:
         """A program from elsewhere has no outline to write."""
-        return error(
+        return self.refuses_written or error(
             "not-in-format",
             f"the profile '{self.machine.name}' wants outlines that the controller offsets, and a "
             "program has only the path of the wire",

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wedmcam.diag import Diagnostic
+from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Axis, Program
 from wedmcam.machines import Machine
@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 
 #: Formats with control words of one kind, a shop's own among them; an M word of ISO is none.
 KIN_3B = frozenset({"3b", "4b"})
+#: What to do with a profile that writes nothing.
+_OTHER = (
+    "write with a profile that writes (iso-mm, sodick, makino, linuxcnc), or with one of your own "
+    "made for the machine; --profile-in reads its programs"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,14 +88,22 @@ class Stated:
         return self.machine.limits.blocks
 
     @property
+    def refuses_written(self) -> Diagnostic | None:
+        """See `Target`."""
+        if self.machine.writes:
+            return None
+        what = f"profile {self.machine.name} reads programs only: it does not state enough to write"
+        return error("reads-only", what, hint=_OTHER)
+
+    @property
     def refuses_carried(self) -> Diagnostic | None:
         """A path can be stated."""
-        return None
+        return self.refuses_written
 
     @property
     def own_path(self) -> Machine:
         """Its own: the program states the path."""
-        return self.machine
+        return self.machine if self.machine.writes else replace(self.machine, writes=True)
 
     @property
     def square_axis(self) -> Axis:

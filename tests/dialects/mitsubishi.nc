@@ -1,0 +1,41 @@
+%
+L007
+(DIE OPENING 12 X 8, MADE UP)
+
+H175 = 0.0000
+
+H1 =.1900 + H175
+H2 =.1500 + H175
+
+N5 G90 G71 G40
+N10 M91 (Adaptive Control Off)
+N15 G92 X0.0 Y0.0
+N20 M20 (Thread Wire)
+N25 M78 M78 (Fill Tank)
+N30 M80 (Water On)
+N35 M82 (Wire On)
+N40 M84 (Power On)
+N45 E1221 H1 F3.0 (PASS=1)
+N50 M90 (Adaptive Control On)
+N55 G41 G1 X6.0 Y0.
+N60 Y4.
+N65 X-6.
+N70 Y-2.
+N75 G3 X-4. Y-4. I2. J0.
+N80 G1 X6.
+N85 Y0.
+N90 G40 X0.
+N95 E1222 H2 F6.0 (PASS=2)
+N100 G42 G1 X6. Y0.
+N105 Y-4.
+N110 X-4.
+N115 G2 X-6. Y-2. I0. J2.
+N120 G1 Y4.
+N125 X6.
+N130 Y0.
+N135 G40 X0.
+N140 M85 M83 M81 (Power/Wire/Fluid - Off)
+N145 M21 (Cut Wire)
+N150 M58 (Drain Tank)
+N155 M02
+%

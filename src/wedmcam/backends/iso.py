@@ -147,6 +147,9 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
     found = _long_lines([*layout.header, *rows, *layout.footer], machine)
+    for code, what in around.modes(layout.header, bool(machine.iso.feed_um)):
+        hint = "G61 and G94 behind it, or without it"
+        found.append(warning("header-mode", f"{code} in the header: {what}", hint=hint))
     if idle := around.behind_end(layout.footer):
         what = f"{', '.join(dict.fromkeys(idle))} of the footer: behind the end (M02), not run"
         hint = "leave it out of 'footer', or put it into 'header'"

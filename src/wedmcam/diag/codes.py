@@ -894,6 +894,12 @@ CODES: dict[str, Code] = {
         "Give a --feed of that speed or more, or change the limit in the controller and in the "
         "profile (feed_least_um).",
     ),
+    "header-mode": Code(
+        "The header of an ISO profile leaves a mode in force that no step of the proof sees.",
+        "G64 rounds corners for speed, in LinuxCNC without P however far; in G93 and G95 F is a "
+        "time, or a way a turn.",
+        "Leave the code out of the header, or put G61 and G94 behind it.",
+    ),
     "over-line": Code(
         "A line of an ISO program is longer than the controller takes.",
         "The controller refuses it, or runs what fits: a header would set half of its modes.",

@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
 from wedmcam.formats import b3, iso
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs
@@ -42,9 +42,9 @@ from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
 from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
-from wedmcam.frontends.iso.subprograms import calls_in, ends_of, run_subprograms
+from wedmcam.frontends.iso.subprograms import ends_of, run_subprograms
 from wedmcam.frontends.iso.table import Tables, modes_of
-from wedmcam.frontends.iso.tape import take_end, take_number
+from wedmcam.frontends.iso.tape import behind, take_end, take_number
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import TextSpans
 from wedmcam.ir.program import BLOCK, Kind, Program
@@ -102,12 +102,11 @@ def read(
         dialect: as for `decode`.
     """
     r = Reading(data, machine, file, dialect or Dialect())
-    runs = vocabulary_of(r).class_of("M", 98 * PER_CODE) is not Known.REFUSED
-    take_end(r, by_word=not (runs and calls_in(r)))
-    take_number(r)
+    take_end(r)
     _tell_text(r)
-    if runs:
+    if vocabulary_of(r).class_of("M", 98 * PER_CODE) is not Known.REFUSED:
         run_subprograms(r)
+    take_number(r)
     take_dwells(r)
     take_tolerances(r)
     classes = take_known(r)
@@ -350,6 +349,15 @@ def _program(
         ends_nm[k], starts_nm[k] = place, np.concatenate([[0], place[:-1]])
         befores[k] = before
 
+    late = np.flatnonzero(moves & (np.arange(r.lines) > stop_line))
+    if len(late):
+        what = behind(len(late), f"M{codes[np.isin(codes, ends)][0]:02d}")
+        r.found.append(
+            (
+                int(w.line_start[late[0]]),
+                warning("after-end", what, r.spans.at(int(w.line_start[late[0]]))),
+            )
+        )
     rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
     runs = None
     if modes is not None:

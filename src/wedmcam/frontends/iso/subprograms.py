@@ -98,12 +98,6 @@ def ends_of(style: str | None) -> tuple[int, ...]:
     return (*iso.ENDS, iso.END_OF_LABELS) if style == "N-label" else iso.ENDS
 
 
-def calls_in(r: Reading) -> bool:
-    """Return whether a text has a call, so that what stands behind its end may be run."""
-    w = r.words
-    return bool(((w.letter == ord("M")) & w.good & ~w.pointed & (w.whole == 98)).any())
-
-
 def run_subprograms(r: Reading) -> None:
     """Put the lines in the order in which they are run, and report what cannot be.
 

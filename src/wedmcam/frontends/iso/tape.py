@@ -19,18 +19,29 @@ from wedmcam.formats import iso
 from wedmcam.frontends.iso.reading import Reading
 
 
-def take_end(r: Reading, by_word: bool = True) -> None:
+def behind(count: int, by: str) -> str:
+    """Return in words that blocks stand behind the end of a program.
+
+    >>> behind(1, "M02"), behind(3, "%")
+    ('a block behind the end (M02): not run', '3 blocks behind the end (%): not run')
+    """
+    return f"{f'{count} blocks' if count > 1 else 'a block'} behind the end ({by}): not run"
+
+
+def take_end(r: Reading) -> None:
     """Take what stands behind the end of the program out, and say how much of it moves.
 
-    ``by_word``: M02 and M30 end it, as a percent sign does: no subprograms stand behind them.
+    Where subprograms are called, they stand behind the end of the main program, on the same tape.
     """
     w = r.words
-    m = (w.letter == ord("M")) & w.good & ~w.pointed & np.isin(w.whole, iso.ENDS)
+    m = (w.letter == ord("M")) & w.good & ~w.pointed
+    calls = np.isin(w.whole[m], iso.SUBPROGRAMS).any()
+    m &= np.isin(w.whole, () if calls else iso.ENDS)
     ends = w.percents[w.percents > w.start[0]][:1] if len(w.start) else w.percents[:0]
     by = "%"
     end = int(ends[0]) if len(ends) else len(r.plain.codes)
     stop = np.flatnonzero(m)[:1]
-    if by_word and len(stop) and int(w.start[stop[0]]) < end:
+    if len(stop) and int(w.start[stop[0]]) < end:
         end = int(w.line_end[w.line[stop[0]]])
         by = r.plain.excerpt(int(w.start[stop[0]]), int(w.end[stop[0]]))
     gone = w.start >= end
@@ -41,9 +52,10 @@ def take_end(r: Reading, by_word: bool = True) -> None:
     late = np.unique(w.line[gone & goes])
     if len(late):
         at = int(w.start[gone & goes][0])
-        many = f"{len(late)} blocks" if len(late) > 1 else "a block"
-        what = f"{many} behind the end ({by}): not run"
-        r.found.append((at, warning("after-end", what, r.spans.at(at), hint="one program a file")))
+        said = warning(
+            "after-end", behind(len(late), by), r.spans.at(at), hint="one program a file"
+        )
+        r.found.append((at, said))
     last = int(np.searchsorted(w.line_end, end))
     r.words = replace(
         w.without_words(gone),

@@ -48,7 +48,7 @@ def test_every_spelling_is_the_same_path(text):
 
 
 def test_modes_and_words_stay_until_changed():
-    program, found = read("G90 G01 X1000\nY500\nG91\nX10 Y10\nG90 X0 Y0\nM02\n")
+    program, found = read("G90 G92 X0 Y0\nG01 X1000\nY500\nG91\nX10 Y10\nG90 X0 Y0\nM02\n")
     assert not found
     assert ends(program)[:-1] == [(1000, 0), (1000, 500), (1010, 510), (0, 0)]
 

@@ -306,8 +306,8 @@ def test_a_circle_in_compensation_takes_the_rule_too():
 @pytest.mark.parametrize(
     ("text", "said", "heard"),
     [
-        ("G20 G90 G01 X.5\nM02", {"units_in": "mm"}, ["iso-stated"]),
-        ("G21 G90 G01 X.5\nM02", {"units_in": "mm"}, []),
+        ("G20 G90 G00 X.5\nM02", {"units_in": "mm"}, ["iso-stated"]),
+        ("G21 G90 G00 X.5\nM02", {"units_in": "mm"}, []),
         ("G21 G91 G01 X.5\nM02", {"coordinates_in": "absolute"}, ["iso-stated"]),
         ("G21 G91 G01 X.5\nM02", {"coordinates_in": "incremental"}, []),
         ("G21 G91 G01 X.5\nG90 X0\nM02", {"coordinates_in": "absolute"}, []),

@@ -110,6 +110,22 @@ def test_g_codes_of_a_dialect_that_lists_them():
     assert wrong(FRAME.format("G17 G91.1"), profile=profile()) == []
 
 
+@pytest.mark.parametrize(
+    ("line", "good"),
+    [
+        ("G28 X1.0", False),
+        ("G28\nX1.0", False),  # before any motion
+        ("G28", True),
+        ("G01 G28 X1.0", True),
+        ("G28 M20 T1", True),
+        ("G01 X1.0\nG28 Y2.0", False),
+        ("G01 X1.0\nG28\nY2.0", True),
+    ],
+)
+def test_places_of_a_code_that_is_left_out_are_no_motion(line, good):
+    assert set(wrong(FRAME.format(line), profile=profile())) == (set() if good else {"iso-code"})
+
+
 @pytest.mark.parametrize("tenths", sorted(LEADING | IDLE))
 def test_the_reader_runs_every_code_that_a_profile_may_list(tenths):
     code = f"G{tenths // 10:02d}" + (f".{tenths % 10}" if tenths % 10 else "")
@@ -201,6 +217,23 @@ def test_codes_that_nothing_is_known_of_are_named(code):
     found = [t for t in told(FRAME.format(code)) if t[0] == "error"]
     assert found[0][1] == "iso-code"
     assert found[0][2].startswith(code.split()[0] + ": ")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("G90\nG01 X5.0", True),
+        ("G90\nG02 X5.0 Y5.0 R5.0", True),
+        ("G90\nG92 X0.0 Y0.0\nG01 X5.0", False),
+        ("G90\nG00 X5.0\nG01 X6.0", False),
+        ("G91\nG01 X5.0", False),
+        ("G91\nG01 X5.0\nG90\nX6.0", False),
+    ],
+)
+def test_a_first_cut_from_nowhere_is_said(text, said):
+    found = [d for d in read(f"G21\n{text}\nM02\n")[1] if d.code == "iso-start"]
+    assert len(found) == said
+    assert all(d.severity is Severity.NOTE and "X0 Y0" in d.message for d in found)
 
 
 # --- centres --------------------------------------------------------------------------------------

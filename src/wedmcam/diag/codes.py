@@ -699,9 +699,9 @@ CODES: dict[str, Code] = {
         "Put the control word on a line of its own, or after a semicolon if it is none.",
     ),
     "unknown-word": Code(
-        "A bare word that the profile does not know; kept as a control record.",
+        "A bare word that the profile does not know; a control word is kept as a control record.",
         "Nobody knows what the controller does with it.",
-        "Name the control words in the profile ([words]).",
+        "Name the control words in the profile ([words]; of ISO what each does, [iso.words]).",
     ),
     "after-end": Code(
         "There is data after the end of the program.",
@@ -771,12 +771,20 @@ CODES: dict[str, Code] = {
     "iso-code": Code(
         "An ISO code, or an axis, that is not known here and may change the path.",
         "What a controller would cut cannot be told.",
-        "Remove it, if the machine does not need it; programs here are flat and in G40.",
+        "Name the profile that knows it (--profile-in); or remove it, if the machine does not need "
+        "it. Programs here are flat.",
     ),
     "iso-ignored": Code(
-        "An ISO word without an effect on the path: feed, generator, table, a motion of length 0.",
+        "An ISO word without an effect on the path: feed, generator, table, the number of the "
+        "program, a motion of length 0; or one that its profile calls harmless.",
         "It is not in the program that is proven, nor in one that is converted.",
         "Nothing is needed; set these things at the machine.",
+    ),
+    "iso-start": Code(
+        "An ISO program cuts to a place first, and does not say where the wire stands before.",
+        "The first cut is taken to start at X0 Y0; of a wire that is threaded elsewhere it is "
+        "another line.",
+        "Write G92 with the place of the wire in front of the first cut.",
     ),
     "iso-compensation": Code(
         "G41 or G42: the controller is to offset the path by a table of its own.",

@@ -14,7 +14,7 @@ from wedmcam.diag import Diagnostic, Severity
 from wedmcam.frontends.iso.reading import NAMED, Reading
 from wedmcam.frontends.iso.words import Words
 from wedmcam.machines import Known, Vocabulary, knowing
-from wedmcam.machines.vocabulary import NO_CODE, PER_CODE
+from wedmcam.machines.vocabulary import IDLE, NO_CODE, PER_CODE
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -60,9 +60,34 @@ def take_known(r: Reading) -> NDArray[np.int8]:
         mask[rows[entry == one]] = True
         hint = f"the profile {r.machine.name} refuses it; take it out where it changes no path"
         r.tell_words(Severity.ERROR, "iso-code", mask, texts[one], hint)
+    _tell_owners(r, harmless)
     r.words = w.without_words(harmless)
     left: NDArray[np.int8] = classes[~harmless]
     return left
+
+
+def _tell_owners(r: Reading, harmless: Bools) -> None:
+    """Report places in a line with a harmless code that may own them: ``G28 X0 Y0``.
+
+    A mode (G61, G94) owns none, and a line that says its motion or G92 gives them to it.
+    """
+    w = r.words
+    g = (w.letter == ord("G")) & w.good
+    rows = np.flatnonzero(g & harmless)
+    rows = rows[~np.isin(tenths_of(w, rows), list(IDLE))]
+    if not len(rows):
+        return
+    here = np.zeros(r.lines, bool)
+    here[w.line[rows]] = True
+    here[w.line[g & ~w.pointed & ((w.whole <= 3) | (w.whole == 92))]] = False
+    places = here[w.line] & np.isin(w.letter, np.frombuffer(b"XYIJR", np.uint8))
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        places,
+        "a place in a line with a code that is left out: whose it is cannot be told",
+        "say the motion on this line, or give the code a line of its own",
+    )
 
 
 def _tell_harmless(

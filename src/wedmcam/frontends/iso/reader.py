@@ -359,6 +359,7 @@ def _program(
             )
         )
     rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
+    _tell_start(r, rows[:1], motion, distance, reset)
     runs = None
     if modes is not None:
         still = np.ones(len(rows), bool)
@@ -421,6 +422,18 @@ def _program(
         what = "no ISO record with a motion in this file"
         r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
     return Programmed(Program(every, spans=spans, words=words), mark, motions), r.findings()
+
+
+def _tell_start(r: Reading, first: Ints, motion: Ints, distance: Ints, reset: Bools) -> None:
+    """Say from where a program is cut that goes to a place first, and says no start before."""
+    cuts = first[(motion[first] > 0) & (distance[first] == 90)]
+    r.tell_lines(
+        Severity.NOTE,
+        "iso-start",
+        cuts[~np.cumsum(reset)[cuts].astype(bool)],
+        lambda i: "a cut to a place, and no G92 stands before it: taken to start at X0 Y0",
+        "G92 with the place where the wire stands, in front of the first cut",
+    )
 
 
 def _blocks(

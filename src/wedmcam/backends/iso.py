@@ -216,7 +216,8 @@ def encode_outlines(
         words = [codes[2 + (turn > 0) if turn else 0 if kind == Kind.MOVE and how.rapid else 1]]
         if mark >= 0 and motions["role"][mark] == Role.LEAD_IN:
             side = 41 if motions["shift"][mark] > 0 else 42
-            words = [f"G{side}", f"D{int(motions['d'][mark])}", *words]
+            number = f"{'H' if how.offset_word == 'H' else 'D'}{int(motions['d'][mark])}"
+            words = [f"G{side}", number, *words]
         elif mark >= 0 and motions["role"][mark] == Role.LEAD_OUT:
             words = ["G40", *words]
         ends_at = (to - here if incremental else to).tolist()

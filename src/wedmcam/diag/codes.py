@@ -792,9 +792,10 @@ CODES: dict[str, Code] = {
         "Give the table: --d 1=0.1mm for D1, as it is entered at the controller.",
     ),
     "iso-offsets": Code(
-        "An ISO program holds a table of offsets (H001 = 0.14).",
-        "It says by how much G41 and G42 offset the path, unless --d gives something else.",
-        "Compare it with what is entered at the machine.",
+        "What the entries of a table of offsets are: one in the file (H001 = 0.14), diameters, D0, or "
+        "another entry in the middle of a path.",
+        "They say by how much G41 and G42 offset the path; --d wins over the file.",
+        "Compare them with what is entered at the machine.",
     ),
     "iso-d": Code(
         "G41 or G42 with a D that is missing, is no number of an offset, or was not given.",
@@ -804,7 +805,8 @@ CODES: dict[str, Code] = {
     "compensation-place": Code(
         "Compensation is switched on, off or over where controllers differ, or never followed.",
         "One controller refuses it, another cuts a path of its own.",
-        "Lead in and out on straight lines (G01), with one side and one D between them.",
+        "Lead in and out on straight lines (G01), with one side and one D between them; what another D "
+        "does, offset_change of a profile may say.",
     ),
     "compensation-lead": Code(
         "The lead to an outline that the controller offsets is too short or on the wrong side.",
@@ -812,7 +814,8 @@ CODES: dict[str, Code] = {
         "Start farther from the outline, on the side of the wire: --start.",
     ),
     "compensation-lost": Code(
-        "The controller cannot offset a block: nothing is left of it, or it meets another one.",
+        "The controller cannot offset a block: nothing is left of it, it comes too near to another "
+        "one, or it runs back on one.",
         "Controllers look one block ahead: they stop with an alarm, or cut into the part.",
         "A smaller offset or larger inside radii; or let wedmcam compute the offset.",
     ),

@@ -252,7 +252,13 @@ class Iso(Stated):
         every = options.offset_um
         if every is None and not options.d and plan is not None:
             every = _one_offset(plan)
-        return Entries(d=options.d, every_um=every)
+        return self._of_table(Entries(d=options.d, every_um=every))
+
+    def _of_table(self, entries: Entries) -> Entries:
+        """Return entries as this controller's table takes them."""
+        how = self.machine.iso
+        letter = "H" if how.offset_word == "H" else "D"
+        return replace(entries, letter=letter, diameter=how.offsets == "diameter")
 
     def read(
         self, data: bytes, file: str, entries: Entries
@@ -260,7 +266,7 @@ class Iso(Stated):
         """See `Target`."""
         from wedmcam.targets.g41 import decode
 
-        table = entries.offset_of()
+        table = self._of_table(entries).offset_of()
         return decode(data, self.machine, file, table, entries.dialect, assumed=not entries.d)
 
 

@@ -278,6 +278,25 @@ def test_a_word_that_is_refused_says_why(name, old, new, what):
     assert any(what in d.message for d in wrong), [d.message for d in found]
 
 
+def test_another_h_inside_compensation_is_read_as_somebody_says():
+    """Sodick programs take the lead with H000 and change in a line of its own; no source says more."""
+    old = b"G42 H001 G01 X0.0 Y5.0; C001;"
+    data = text_of("sodick").replace(old, b"G42 H000 G01 X0.0 Y5.0;\nH001 C001;")
+    assert data != text_of("sodick")
+    _, _, found = read("sodick", data)
+    assert errors(found) == ["compensation-place"]
+    own = machines.text("sodick").replace("[iso]\n", '[iso]\noffset_change = "skewed"\n')
+    machine, wrong = machines.parse(own, "sodick")
+    assert wrong == []
+    program, machine, found = read("sodick", data, profile=machine)
+    assert errors(found) == []
+    _, ends = api.positions(program, machine)
+    # The first block of the outline runs from the one offset to the other.
+    assert (ends[:3] + (-3000, 5000)).tolist() == [[-10, 5000], [-210, 0], [0, -210]]
+    nothing = data.replace(b"H000   = +000000.0100", b"H000   = +000000.0000")
+    assert errors(read("sodick", nothing)[2]) == []
+
+
 def test_a_word_that_a_dialect_does_not_name_is_said():
     data = text_of("mitsubishi").replace(b"M58", b"M59")
     _, _, found = read("mitsubishi", data)

@@ -225,6 +225,11 @@ class Iso(Stated):
     words = r"M\d{1,4}"
     turns = False
 
+    def carry_rules(self, source: str) -> carry.Rules:
+        """See `Target`. An M word of one machine does another thing at a dialect's."""
+        rules = super().carry_rules(source)
+        return replace(rules, words="") if self.machine.iso.words else rules
+
     def write(
         self, program: Program, plan: Plan, entries: Entries, options: Options
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:

@@ -792,8 +792,8 @@ CODES: dict[str, Code] = {
         "Give the table: --d 1=0.1mm for D1, as it is entered at the controller.",
     ),
     "iso-offsets": Code(
-        "What the entries of a table of offsets are: one in the file (H001 = 0.14), diameters, D0, or "
-        "another entry in the middle of a path.",
+        "What the entries of a table of offsets are: one in the file (H001 = 0.14), diameters, D0, "
+        "or another entry in the middle of a path.",
         "They say by how much G41 and G42 offset the path; --d wins over the file.",
         "Compare them with what is entered at the machine.",
     ),
@@ -805,8 +805,8 @@ CODES: dict[str, Code] = {
     "compensation-place": Code(
         "Compensation is switched on, off or over where controllers differ, or never followed.",
         "One controller refuses it, another cuts a path of its own.",
-        "Lead in and out on straight lines (G01), with one side and one D between them; what another D "
-        "does, offset_change of a profile may say.",
+        "Lead in and out on straight lines (G01), with one side and one D between them; what "
+        "another D does, offset_change of a profile may say.",
     ),
     "compensation-lead": Code(
         "The lead to an outline that the controller offsets is too short or on the wrong side.",

@@ -33,7 +33,7 @@ def texts(blocks):
     records = [line for line in GOLDEN.read_text().splitlines() if line.startswith("B")]
     whole = (records * (blocks // len(records) + 1))[:blocks]
     spaced = (f"N{k}: {r.replace('B', ' B ').replace('G', ' G')}" for k, r in enumerate(whole, 1))
-    made = conversion.convert(GOLDEN, to="iso")
+    made = conversion.convert(GOLDEN, profile="iso-um")
     assert made.ok
     moves = [line for line in made.data.decode().splitlines() if line.startswith("G0")]
     code = (moves * (blocks // len(moves) + 1))[:blocks]

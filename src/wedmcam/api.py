@@ -93,7 +93,8 @@ def compile(
     Args:
         source: a path, or the bytes of a DXF drawing.
         to: "3b" (default) or "compact".
-        profile: a machine, or the name of a built-in one; None for the format's default.
+        profile: a machine, or the name of a built-in one; None for the format's default. Where that
+            was another one release ago, a note says so.
         name: of the source in findings and certificate; the path by default.
         output_name: of the program in the certificate.
         options: everything else, in um.
@@ -118,7 +119,8 @@ def compile(
         )
     run = Run(options.strict)
     refused = planned_for(data, name, options, [machine], run)
-    return compile_plan(data, name, machine, options, run, output_name, refused)
+    named = profile is not None
+    return compile_plan(data, name, machine, options, run, output_name, refused, named=named)
 
 
 def planned_for(
@@ -140,6 +142,8 @@ def compile_plan(
     run: Run,
     output_name: str = "",
     refused: str = "",
+    *,
+    named: bool = True,
 ) -> Compilation:
     """Compile what is asked for of a plan for one machine, and prove the program.
 
@@ -151,12 +155,14 @@ def compile_plan(
         run: in which `planned_for` left what was drawn and the plan.
         output_name: of the program.
         refused: where planning stopped; then nothing is compiled.
+        named: the machine was named, and is not just the default of its format.
     """
     target, stage, made = target_of(machine), refused, run.values
     if not stage:
         try:
             part = run("plan", (portion(made["plan"], target, options, run), ()))
             pipeline.compiled(part, target, options, run, output_name)
+            run.add("verify", [] if named else machines.unnamed(machine))
         except Refused as why:
             stage = why.stage
     entries, verdict = made.get("enter"), made.get("verify")
@@ -711,6 +717,8 @@ def _reader_machine(
 
             seen = identify(data).format
             format_ = seen if seen in machines.DEFAULTS else "3b"
+    if profile is None and format_ in machines.DEFAULTS:
+        return machines.reading(format_)
     return machine_for(format_, profile)
 
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam import machines
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
@@ -104,6 +105,7 @@ def convert(
     format: str | None = None,
     strict: bool = False,
     entered: Entries | None = None,
+    feed_um: float | None = None,
     **said: Any,
 ) -> Conversion:
     """Return a program of one format as one of another, proven to step the same path.
@@ -119,6 +121,7 @@ def convert(
         strict: warnings are errors.
         entered: copies and angle of a rotation file, gap and side of a compensation file, read or
             written.
+        feed_um: cutting speed, um a minute, for a profile that writes F; None for the profile's.
         **said: of an ISO program, as for `wedmcam.read_program`: ``units_in``, ``whole_in``, ...
 
     Raises:
@@ -158,8 +161,10 @@ def convert(
     senses = None
     if stays and not entered.gap_um:
         senses = target_of(machine_in).senses(api.bytes_of(source, name)[0])
-    data, made, apart, more = between(read, machine_in, machine, entered, senses)
+    data, made, apart, more = between(read, machine_in, machine, entered, senses, feed_um)
     found += more
+    if data is not None and profile is None:
+        found += machines.unnamed(machine)
     return ended(data, machine=machine, made=made, difference=apart)
 
 
@@ -196,6 +201,7 @@ def between(
     machine: Machine,
     entered: Entries | None = None,
     senses: NDArray[np.int64] | None = None,
+    feed_um: float | None = None,
 ) -> tuple[bytes | None, Program | None, Difference | None, list[Diagnostic]]:
     """Return a decoded program as bytes for another machine, proven equal as a step path.
 
@@ -206,6 +212,7 @@ def between(
         entered: what the operator enters beside the other program.
         senses: of an outline that stays one: for each block whether its arc grows (+1) or shrinks
             (-1) where it is offset outwards, 0 where the file does not say.
+        feed_um: as for `convert`.
 
     Returns:
         The bytes (None where it failed), the program decoded from them, the difference, and what
@@ -223,7 +230,7 @@ def between(
         return None, None, None, found
     arcs = program.blocks["kind"] == Kind.ARC
     known = senses is not None and bool(senses[arcs].all())
-    data, more = target.write_carried(carried, entries, senses if known else None)
+    data, more = target.write_carried(carried, entries, senses if known else None, feed_um)
     found += more
     if data is None or has_errors(more):
         return None, None, None, found

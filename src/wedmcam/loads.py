@@ -29,6 +29,7 @@ def compile_loads(
     name: str | None = None,
     output_name: str = "",
     options: Options,
+    named: bool = True,
 ) -> tuple[Compilation, ...]:
     """Compile a drawing into as few programs as fit the memory one by one.
 
@@ -38,6 +39,7 @@ def compile_loads(
         name: of the source.
         output_name: NAME.3b makes NAME-1.3b, NAME-2.3b, ... in findings and certificates.
         options: as for `api.compile`.
+        named: as for `api.compile_plan`.
 
     Returns:
         The loads in their order; the whole program where it fits, or where it failed. A contour
@@ -46,15 +48,16 @@ def compile_loads(
     data, name = api.bytes_of(source, name)
     run = Run(options.strict)
     refused = api.planned_for(data, name, options, [profile], run)
+    made: list[Compilation] = []
 
     def load_of(asked: Options, output: str) -> Compilation:
-        return api.compile_plan(data, name, profile, asked, run.forked(), output, refused)
+        trial, said = run.forked(), named or bool(made)  # said once
+        return api.compile_plan(data, name, profile, asked, trial, output, refused, named=said)
 
     whole = load_of(options, output_name)
     if not whole.ok or not _too_large(whole) or whole.plan is None or len(whole.plan.cuts) < 2:
         return (whole,)
     first = options.cuts[0] if options.cuts else 1
-    made: list[Compilation] = []
     groups = _groups(whole)
     while groups:
         low, high = groups.pop(0)

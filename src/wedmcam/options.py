@@ -16,7 +16,7 @@ from wedmcam.ir.colours import colour_of
 from wedmcam.ir.plan import Order, Side
 from wedmcam.ranges import LENGTHS, PLACE
 
-#: File name endings of programs, and the format each means.
+#: File name endings of programs, and the format each means; the first of a format is written.
 FORMAT_OF_SUFFIX = {
     ".3b": "3b",
     ".zd": "compact",
@@ -24,8 +24,14 @@ FORMAT_OF_SUFFIX = {
     ".zdc": "compensation",
     ".nc": "iso",
     ".4b": "4b",
+    ".ngc": "iso",
+    ".gcode": "iso",
+    ".iso": "iso",
+    ".eia": "iso",
 }
-SUFFIX_OF_FORMAT = {format_: ending for ending, format_ in FORMAT_OF_SUFFIX.items()}
+SUFFIX_OF_FORMAT: dict[str, str] = {}
+for _ending, _format in FORMAT_OF_SUFFIX.items():
+    SUFFIX_OF_FORMAT.setdefault(_format, _ending)
 PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
 SOURCE_FORMATS = ("dxf", "wed")
 ARITHMETICS = ("decimal8", "float64")

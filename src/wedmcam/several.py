@@ -8,7 +8,7 @@ first: either all of them are good or none is.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -64,6 +64,7 @@ def compile_several(
     name: str | None = None,
     output_names: Sequence[str] = (),
     options: Options | None = None,
+    named: Collection[str] | None = None,
 ) -> Several:
     """Compile a drawing for several machines.
 
@@ -73,6 +74,7 @@ def compile_several(
         name: of the source.
         output_names: of the programs, for their certificates.
         options: the same for all.
+        named: formats whose machine was named, and is not just the default; None for all.
 
     Example::
 
@@ -88,7 +90,10 @@ def compile_several(
     run = Run(options.strict)
     refused = api.planned_for(data, name, options, machines, run)
     for machine, output in zip(shared(machines), names, strict=True):
-        one = api.compile_plan(data, name, machine, options, run.forked(), output, refused)
+        said = named is None or any(machine.is_of(format_) for format_ in named)
+        one = api.compile_plan(
+            data, name, machine, options, run.forked(), output, refused, named=said
+        )
         for other in machines:  # whose starts the plan has: whoever verifies plans with them again
             if not machine.is_of(other.format) and target_of(other).moves_starts:
                 one.summary.update(api.starts_of(other))
@@ -166,11 +171,13 @@ def formats_of(to: str) -> list[str]:
 def names_of(output: str, formats: Sequence[str]) -> list[str]:
     """Return the name of each program: ``output`` with the ending of its format.
 
-    An ending of a program format that is there already is replaced.
+    An ending of a program format that is there already stays for its own, and is replaced for
+    others.
 
-    >>> names_of("plate", ["3b", "compact"]), names_of("out/plate.3b", ["3b", "compact"])
-    (['plate.3b', 'plate.zd'], ['out/plate.3b', 'out/plate.zd'])
+    >>> names_of("plate", ["3b", "compact"]), names_of("out/plate.ngc", ["3b", "iso"])
+    (['plate.3b', 'plate.zd'], ['out/plate.3b', 'out/plate.ngc'])
     """
     suffix = Path(output).suffix
-    stem = output[: -len(suffix)] if suffix.lower() in FORMAT_OF_SUFFIX else output
-    return [stem + SUFFIX_OF_FORMAT[format_] for format_ in formats]
+    own = FORMAT_OF_SUFFIX.get(suffix.lower())
+    stem = output if own is None else output[: -len(suffix)]
+    return [stem + (suffix if format_ == own else SUFFIX_OF_FORMAT[format_]) for format_ in formats]

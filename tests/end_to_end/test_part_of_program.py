@@ -20,12 +20,11 @@ ROOT = Path(__file__).parents[2]
 GOLDEN = sorted(p.name for p in (ROOT / "tests/golden").iterdir() if p.suffix != ".py")
 GOLDEN = [n for n in GOLDEN if n.endswith((".3b", ".zd", ".nc", ".4b"))]
 
-#: Profiles of the golden ISO programs; the others are iso-um. Not all state their unit.
+#: Profiles of golden ISO programs that do not state their unit; the others need none.
 READ_AS = {
     "plate.fixed.nc": "iso-fixed",
-    "plate.g41-mm.nc": "iso-g41-mm",
     "plate.g41.nc": "iso-g41",
-    "plate.mm.nc": "iso-mm",
+    "plate.um.nc": "iso-um",
 }
 
 
@@ -47,7 +46,7 @@ def test_golden_programs_come_back(name: str) -> None:
         given = Entries(d=((1, 100.0),))
     elif name.endswith(".4b"):
         given = Entries(gap_um=100, outwards=".die" not in name)
-    machine = READ_AS.get(name, "iso-um" if name.endswith(".nc") else None)
+    machine = READ_AS.get(name)
     made = conversion.convert(data, to="wed", name=name, entered=given, profile_in=machine)
     assert made.ok, [str(d) for d in made.findings]
     compiled = api.compile(made.data, profile=made.machine_in, name="again.wed")

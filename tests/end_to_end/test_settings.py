@@ -220,7 +220,7 @@ def test_commands_that_read_programs_take_the_profile_of_the_shop(shop):
     mirrored(shop / "jobs")
     put(shop, "jobs", "offset = 0.1", 'profile = "turned.toml"')
     said(shop, "compile", "part.dxf", "-o", "x.3b")
-    line = ("convert", "x.3b", "-o", "x.nc")
+    line = ("convert", "x.3b", "-o", "x.nc", "--profile", "iso-um")
     assert "read as turned" in said(shop, *line)
     said(shop, "verify", "x.nc", "--against", "part.dxf", status=1)
     put(shop, "jobs", "offset = 0.1", 'profile = "turned.toml"', 'profile-in = "iso-um"')

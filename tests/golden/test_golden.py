@@ -38,7 +38,7 @@ CASES = [
 PROFILES = {
     "plate.columns.3b": "b3-columns",
     "plate.numbered.3b": "b3-numbered",
-    "plate.mm.nc": "iso-mm",
+    "plate.um.nc": "iso-um",
     "plate.fixed.nc": "iso-fixed",
     "plate.g41.nc": "iso-g41",
     "plate.g41-mm.nc": "iso-g41-mm",

@@ -16,7 +16,7 @@ GOLDEN = Path(__file__).parents[1] / "golden"
 
 
 #: Programs that cannot state their unit.
-WHOLE_UM = {"cover.nc": "iso-um", "plate.fixed.nc": "iso-fixed"}
+WHOLE_UM = {"plate.um.nc": "iso-um", "plate.fixed.nc": "iso-fixed"}
 
 
 def codes(made):
@@ -25,7 +25,11 @@ def codes(made):
 
 @pytest.mark.parametrize("to", ["3b", "compact", "rotation", "compensation", "iso"])
 @pytest.mark.parametrize(
-    "name", ["plate.3b", "gear-24.zd", "cover.nc", "plate.columns.3b", "plate.fixed.nc"]
+    "name",
+    [
+        *("plate.3b", "gear-24.zd", "cover.nc", "plate.columns.3b"),
+        *("plate.um.nc", "plate.fixed.nc"),
+    ],
 )
 def test_golden_programs_become_every_format(name, to):
     made = conversion.convert(GOLDEN / name, to=to, profile_in=WHOLE_UM.get(name))
@@ -208,7 +212,7 @@ def test_field_m_words(to):
 
 def test_words_stay_where_both_formats_have_them():
     iso = conversion.convert(M_WORDS.encode(), to="iso", units_in="mm")
-    assert b"M20\nM80\n" in iso.data
+    assert b"M20\r\nM80\r\n" in iso.data
     assert "not-carried" not in codes(iso)
     four = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="4b", entered=NO_GAP)
     assert b"QUENCH" in four.data

@@ -199,7 +199,7 @@ LAYOUTS = [
 def test_every_layout_is_the_same_program(iso):
     from pathlib import Path
 
-    text = (Path(__file__).parents[1] / "golden" / "plate.nc").read_bytes()
+    text = (Path(__file__).parents[1] / "golden" / "plate.um.nc").read_bytes()
     program, _ = decoder("iso")(text, UM, "plate.nc")
     from wedmcam.backends import encoder
 

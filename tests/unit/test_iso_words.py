@@ -202,7 +202,7 @@ def test_g80_ends_the_motion_before(text, good):
 
 
 @pytest.mark.parametrize(
-    "code", ["G17", "G61", "G61.1", "G64", "G64 P0.01", "G64 P.1 Q.1", "G93", "G94"]
+    "code", ["G17", "G61", "G61.1", "G64", "G64 P0.01", "G64 P.05 Q.01", "G94"]
 )
 def test_modes_that_change_no_path(code):
     program, found = read(FRAME.format(code))
@@ -210,8 +210,17 @@ def test_modes_that_change_no_path(code):
     assert ends(program) == [[5, 0], [5, 5]]
 
 
+@pytest.mark.parametrize("code", ["G64 P1", "G64 P0.06", "G64 P.01 Q2.0", "G64 P0.01 (IN)"])
+def test_a_path_that_is_rounded_far_is_another(code):
+    text = FRAME.format(code)
+    if "IN" in code:
+        text = text.replace("G21", "G20").replace("5.0", "0.5")
+    assert wrong(text) == ["iso-code"]
+
+
 @pytest.mark.parametrize(
-    "code", ["G18", "G19", "G28", "G29", "G30", "G48", "G49", "G50", "G51", "G52 A1", "G60", "G100"]
+    "code",
+    ["G18", "G19", "G93", "G28", "G29", "G30", "G48", "G49", "G50", "G51", "G52 A1", "G60", "G100"],
 )
 def test_codes_that_nothing_is_known_of_are_named(code):
     found = [t for t in told(FRAME.format(code)) if t[0] == "error"]

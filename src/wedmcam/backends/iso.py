@@ -8,6 +8,7 @@ that is no M word) is refused. Numbers are whole um until they are text: there i
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,12 @@ from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, iso
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
-from wedmcam.machines import Iso, Machine
+from wedmcam.machines import Iso, Machine, around
 
 #: How F is said.
-_FEED = "compile takes --feed, a length a minute; or feed_um in a profile of your own"
+_FEED = "--feed, a length a minute; or feed_um in a profile of your own"
+#: What a controller does not count of a line: blanks, and text.
+_NOT_COUNTED = re.compile(r"\([^)]*\)?|;.*|\s+")
 
 
 def encode(
@@ -93,7 +96,8 @@ def encode(
         positions = ends(program, machine)
     opening, found = _opening(machine, program.origin, feed_um)
     rows = [*opening, *_rows(program, kinds, motion, positions, machine.iso, names)]
-    return _text(rows, machine), [*checks.found, *found]
+    data, more = _text(rows, machine)
+    return data, [*checks.found, *found, *more]
 
 
 def _opening(
@@ -123,12 +127,18 @@ def _opening(
         if feed_um is None:
             what = f"{rows[-1]} is written, {mm:g} mm a minute: the profile's, no --feed was given"
             found.append(warning("feed-assumed", what, hint=_FEED))
+        least = how.feed_least_um
+        if mm * 1000 < least * machine.axes.step_um:
+            goes = f"{least * machine.axes.step_um / 1000:g}"
+            what = f"{rows[-1]}: {machine.name} cuts no slower than {goes} mm a minute, and does so"
+            found.append(warning("feed-raised", what, hint=f"--feed {goes}mm or more"))
     if how.start == "move":
         return [*rows, how.between.join([f"G{0:0{how.code_digits}d}", *words])], found
     return [how.between.join(["G92", *words]), *rows], found
 
 
-def _text(rows: list[str], machine: Machine) -> bytes:
+def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
+    """Return the file of some lines, and a warning where one is too long."""
     layout = machine.layout
     if layout.number_width:
         sep = machine.iso.between
@@ -136,7 +146,28 @@ def _text(rows: list[str], machine: Machine) -> bytes:
     text = "".join(row + layout.eol for row in rows)
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
-    return data + frame[1].encode(layout.encoding)
+    found = _long_lines([*layout.header, *rows, *layout.footer], machine)
+    if idle := around.behind_end(layout.footer):
+        what = f"{', '.join(dict.fromkeys(idle))} of the footer: behind the end (M02), not run"
+        hint = "leave it out of 'footer', or put it into 'header'"
+        found.append(replace(warning("after-end", what, hint=hint), count=len(idle)))
+    return data + frame[1].encode(layout.encoding), found
+
+
+def _long_lines(lines: list[str], machine: Machine) -> list[Diagnostic]:
+    """Return a warning of the lines that are longer than the controller takes."""
+    most = machine.limits.line_chars
+    if not most:
+        return []
+    counted = {n: len(_NOT_COUNTED.sub("", t)) for n, t in enumerate(lines, 1) if len(t) > most}
+    over = {n: size for n, size in counted.items() if size > most}
+    if not over:
+        return []
+    first = min(over)
+    many = f" ({len(over)} lines)" if len(over) > 1 else ""
+    what = f"line {first} has {over[first]} characters, {machine.name} takes {most}{many}"
+    hint = "'header' and 'footer' of the profile may be several lines"
+    return [replace(warning("over-line", what, hint=hint), count=len(over))]
 
 
 def encode_outlines(
@@ -200,7 +231,8 @@ def encode_outlines(
     if most and len(rows) > most:
         text = f"{len(rows)} records; {machine.name} holds {most}"
         found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
-    return _text([*opening, *rows], machine), found
+    data, more = _text([*opening, *rows], machine)
+    return data, [*found, *more]
 
 
 def _per_um(how: Iso) -> float:

@@ -43,11 +43,13 @@ class How:
     Attributes:
         machine: the profile; None where ``wrong``.
         options: everything else.
+        named: the profile was named, and is not just the default of the format.
         wrong: why nothing of this folder can be compiled (exit status 2).
     """
 
     machine: Machine | None = None
     options: Options | None = None
+    named: bool = True
     wrong: str = ""
 
 
@@ -157,13 +159,14 @@ def how(asked: dict[str, Any]) -> How:
     """
     from wedmcam.cli import asked as ask
 
-    return How(ask.machine_of(asked["profile"], asked["to"]), ask.options_of(asked))
+    named = bool(asked["profile"])
+    return How(ask.machine_of(asked["profile"], asked["to"]), ask.options_of(asked), named)
 
 
 def make(item: Item, force_units: bool) -> Outcome:
     """Compile one drawing and write its program; never raises for what is in the drawing."""
     from wedmcam import api
-    from wedmcam.cli.say import coloured
+    from wedmcam.cli.say import coloured, with_time
     from wedmcam.diag import Severity
     from wedmcam.diag.render import merged, render
 
@@ -184,7 +187,8 @@ def make(item: Item, force_units: bool) -> Outcome:
     try:
         made = api.compile(
             data,
-            profile=machine,
+            to=machine.format,
+            profile=machine if item.how.named else None,
             name=item.source,
             output_name=item.output,
             options=replace(options, fill_in_units=not force_units),
@@ -199,7 +203,7 @@ def make(item: Item, force_units: bool) -> Outcome:
             Path(item.output).parent.mkdir(parents=True, exist_ok=True)
             write_outputs([(item.output, made.data)])
             text = "\n".join(filter(None, (text, _line(item, made))))
-        record = _record(item, made.status, made.summary)
+        record = _record(item, made.status, with_time(made.summary, options.feed_um))
         return Outcome(item, made.status, text, record, warnings)
     except WrongUse as why:
         text = visible(f"{item.source}: error: {why}")

@@ -38,6 +38,7 @@ from wedmcam.cli.tell import tell
 )
 @ask.d_option
 @ask.reading_options
+@ask.feed_option
 @click.option("--json", "json_", is_flag=True, help="Summary as JSON on standard output.")
 @click.option("--strict", is_flag=True, help="Warnings are errors: nothing may get lost.")
 @click.option("-q", "--quiet", is_flag=True, help="Errors only.")
@@ -53,6 +54,7 @@ def convert_command(
     gap_um: float | None,
     side: str,
     d: tuple[tuple[int, float], ...],
+    feed_um: float | None,
     json_: bool,
     strict: bool,
     quiet: bool,
@@ -75,6 +77,9 @@ def convert_command(
         named = ask.machine_of(profile, None) if profile else None
         machine = ask.machine_of(profile, ask.format_of(output, to, named))
         ask.warn_of_name(output, machine.format)
+    if machine is None or not machine.iso.feed_um:
+        which = f"the profile {machine.name}" if machine else f"a {target} file"
+        ask.warn_of_idle({"feed_um"}, f"{which} holds no F")
     machine_in = machine_for(program, profile_in, format_)
     check_outputs([program, *also_read(click.get_current_context())], [output])
     if output == "-" and json_:
@@ -87,12 +92,13 @@ def convert_command(
         made = conversion.convert(
             data,
             to=target or (machine.format if machine else None),
-            profile=machine,
+            profile=machine if profile else None,
             profile_in=machine_in,
             format=format_,
             name=name,
             strict=strict,
             entered=Entries(copies, angle, gap_um, side == "part", d),
+            feed_um=feed_um,
             **ask.said_of(asked),
         )
     say.say_findings(made.findings, name, quiet)

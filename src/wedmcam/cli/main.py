@@ -172,6 +172,7 @@ def compile_command(
     "--plot", "plot_", metavar="FILE.svg|png|html", help="Draw the verified program there."
 )
 @ask.compile_options
+@ask.feed_option
 @ask.said_options
 def check_command(input_: str, to: str | None, plot_: str | None, **asked: Any) -> int:
     """Everything but writing a program."""
@@ -188,11 +189,13 @@ def check_command(input_: str, to: str | None, plot_: str | None, **asked: Any) 
             write_outputs([(plot_, picture(made, title, plot_))])
         else:
             write_refused(made, title, plot_, _name(input_))
+    feed = ask.feed_of(asked)
     if made.ok and not asked["quiet"]:
         say.say_report(made, "(not written)", asked["verbose"])
         say.say_arithmetic(apart)
+        say.say_time(made.summary, feed)
     if asked["json_"]:
-        say.say_json({**made.summary, **apart})
+        say.say_json({**say.with_time(made.summary, feed), **apart})
     return int(made.status)
 
 
@@ -208,7 +211,12 @@ def _compiled(
     data = read_input(input_)
     with waiting(f"compiling {_name(input_)}"):
         made = api.compile(
-            data, profile=machine, name=_name(input_), output_name=output, options=options
+            data,
+            to=machine.format,
+            profile=machine if asked["profile"] else None,
+            name=_name(input_),
+            output_name=output,
+            options=options,
         )
     texts: dict[str, str | bytes] = {_name(input_): data, **options.texts}
     say.say_findings(made.findings, _name(input_), asked["quiet"], texts)
@@ -233,6 +241,7 @@ def _name(path: str) -> str:
 @click.option("--jobs", type=click.IntRange(0, 256), default=0, help="Processes; 0: one a core.")
 @click.option("--force-units", is_flag=True, help="--units overrides what drawings say.")
 @ask.compile_options
+@ask.feed_option
 @ask.said_options
 def batch_command(
     inputs: tuple[str, ...],
@@ -583,6 +592,7 @@ def inspect_command(input_: str, **asked: Any) -> int:
 @ask.d_option
 @ask.reading_options
 @ask.compile_options
+@ask.feed_option
 @ask.said_options
 def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     """A picture: part, kept material, wire path, thread points, block numbers.
@@ -604,9 +614,10 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     named = asked["profile"]
     if is_program:
         named = ask.profile_in(asked, typed(click.get_current_context()))
-        ask.warn_of_idle({*ask.DRAWING_NAMES, *ask.PATH_NAMES}, f"{name} is a program as it stands")
+        idle = {*ask.DRAWING_NAMES, *ask.PATH_NAMES, "feed_um"}
+        ask.warn_of_idle(idle, f"{name} is a program as it stands")
     elif contours:
-        ask.warn_of_idle(ask.PATH_NAMES, "with --contours nothing is compiled")
+        ask.warn_of_idle({*ask.PATH_NAMES, "feed_um"}, "with --contours nothing is compiled")
     machine = ask.machine_of(named, None) if named else None
     if contours and not is_program:
         asked |= dict.fromkeys(("side", "offset_um", "wire_um", "gap_um", "clearance_um"))

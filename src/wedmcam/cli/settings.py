@@ -457,10 +457,10 @@ def in_force(
 
 
 def _of_programs() -> set[str]:
-    """Return the keys that say how programs are read, whatever their format."""
+    """Return the keys that say how programs are read, whatever their format, and F of one made."""
     from wedmcam.options import READING
 
-    return {"d", *(name.replace("_", "-") for name in READING)}
+    return {"d", "feed", *(name.replace("_", "-") for name in READING)}
 
 
 def is_typed(ctx: click.Context, option: click.Parameter) -> bool:

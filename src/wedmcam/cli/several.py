@@ -37,6 +37,7 @@ def compile_several(
         raise click.UsageError("several programs do not fit standard output: give -o NAME")
     formats = several.formats_of(to)
     machines = _machines(formats, asked["profile"])
+    named = [ask.machine_of(asked["profile"], None).format] if asked["profile"] else []
     names = several.names_of(output, formats)
     beside = {
         "certificate": [_for(certificate, name) for name in names],
@@ -56,7 +57,7 @@ def compile_several(
     data = read_input(input_)
     with waiting(f"compiling {name}"):
         made = several.compile_several(
-            data, machines, name=name, output_names=names, options=options
+            data, machines, name=name, output_names=names, options=options, named=named
         )
     say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
     if not made.ok:

@@ -36,7 +36,14 @@ def compile_split(
     data = read_input(input_)
     name = "stdin" if input_ == "-" else input_
     with waiting(f"compiling {name}"):
-        loads = compile_loads(data, profile=machine, name=name, output_name=output, options=options)
+        loads = compile_loads(
+            data,
+            profile=machine,
+            name=name,
+            output_name=output,
+            options=options,
+            named=bool(asked["profile"]),
+        )
     several = len(loads) > 1
     files: list[tuple[str, bytes]] = []
     for k, made in enumerate(loads, 1):

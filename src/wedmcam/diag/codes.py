@@ -867,6 +867,12 @@ CODES: dict[str, Code] = {
         "how often, and how many blocks that makes.",
         "Nothing, if that is what the machine does.",
     ),
+    "default-profile": Code(
+        "A program was written with the default profile of its format, which was another before.",
+        "ISO programs are in mm with a point now, with G21 and G90 in them: controllers that read "
+        "them mean the same. In whole um (iso-um) one that takes numbers for mm goes metres.",
+        "Nothing is needed; name the profile (--profile, or in a wedmcam.toml) and it is not said.",
+    ),
     "reads-only": Code(
         "A program was to be written with a profile that only reads programs.",
         "No source states enough of that machine's words to write for it, and a program in words "
@@ -877,7 +883,18 @@ CODES: dict[str, Code] = {
     "feed-assumed": Code(
         "No cutting speed was given, and the controller demands F in a program.",
         "The F of the profile is written; it may be too fast for the plate.",
-        "Give --feed to compile, a length a minute; or set feed_um in a profile of your own.",
+        "Give --feed, a length a minute; or set feed_um in a profile of your own.",
+    ),
+    "feed-raised": Code(
+        "F is below the slowest speed that the controller goes.",
+        "It cuts faster than is asked for: the wire may touch, and break.",
+        "Give a --feed of that speed or more, or change the limit in the controller and in the "
+        "profile (feed_least_um).",
+    ),
+    "over-line": Code(
+        "A line of an ISO program is longer than the controller takes.",
+        "The controller refuses it, or runs what fits: a header would set half of its modes.",
+        "Shorten the line; header and footer of a profile may be several lines.",
     ),
     "iso-skip": Code(
         "A block that the operator may skip (/).",

@@ -225,7 +225,7 @@ def _doubts(data: bytes, format_: str) -> int:
     from wedmcam.diag import Severity
     from wedmcam.frontends import decoder
 
-    _, found = decoder(format_)(data, machines.default(format_), "")
+    _, found = decoder(format_)(data, machines.reading(format_), "")
     return sum(d.count for d in found if d.severity > Severity.NOTE)
 
 

@@ -32,10 +32,10 @@ NOT_FIGURES = {
 }
 
 #: Codes that tell how this very certificate or the place was found, and not what the program is;
-#: and those of options without effect, which are told only to whoever typed them.
+#: and those of options without effect, or not given, which are told only to whoever typed them.
 OF_THE_PROOF = {
     *("certificate-differs", "origin-fitted"),
-    *("filter-unmatched", "idle-option", "wed-option"),
+    *("filter-unmatched", "idle-option", "wed-option", "default-profile"),
 }
 
 #: What a proof is asked for with; whoever types other options than a certificate has means them.

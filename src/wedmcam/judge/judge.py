@@ -16,6 +16,9 @@ from elsewhere) leads are its own, and
   threaded where the plan says: else a wrong first lead-in would go unseen, because the fit lays the
   contour in its place and the error on the start.
 
+A contour of a program from elsewhere may run on over its start (an overlap): it closes where it
+comes by, within the limit of the path.
+
 Where a cut is run twice the second pass is proven like the first; that is a warning, and in strict
 order an error.
 """
@@ -445,7 +448,9 @@ class _Case(NamedTuple):
         p0, p1 = _meeting(
             places, at, float(route.path_low[k]), float(route.path_high[k]), self.path_limit_um
         )
-        off = max(abs(at[p0] - route.path_low[k]), abs(at[p1] - route.path_high[k]))
+        off = abs(at[p0] - route.path_low[k])
+        if a.closing < 0:
+            off = max(off, abs(at[p1] - route.path_high[k]))
         block = int(a.index[max(p1 - 1, 0)])
         if off > LOST:
             findings.append(
@@ -459,6 +464,9 @@ class _Case(NamedTuple):
             )
             return None, findings
         closure = float(np.hypot(*(places[p1] - places[p0])))
+        if a.closing >= 0:
+            block = int(a.index[a.closing])
+            closure, limit = _passed(way, block, places[p0]), self.path_limit_um
         if closure > limit:
             x, y = places[p0]
             findings.append(
@@ -470,7 +478,7 @@ class _Case(NamedTuple):
                     f"({mm(x, y, self.per)} mm)",
                 )
             )
-        elif closure > 0:
+        elif closure > 0 and a.closing < 0:
             findings.append(
                 note(
                     "not-closed",
@@ -695,6 +703,12 @@ def _meeting(places: Ints, at: Floats, low: float, high: float, room: float) -> 
             best = int(np.argmin(starts[a[i]] + ends[b[j]]))
             return int(a[i[best]]), int(b[j[best]])
     return first, last
+
+
+def _passed(way: Walk, row: int, place: Ints) -> float:
+    """Return how near a block comes to a place that it passes, um."""
+    x, y, _ = way.points(np.array([row]))
+    return float(np.hypot(x - place[0], y - place[1]).min())
 
 
 def _nowhere(way: Walk, row: int) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
-from wedmcam.judge.route import Route, assemble
+from wedmcam.judge.route import Route, assemble, overcut
 from wedmcam.judge.runs import SOME_CONTOURS, Assigned, mm, per_mm, runs, span_of
 from wedmcam.judge.segments import (
     Floats,
@@ -29,6 +29,7 @@ from wedmcam.judge.segments import (
     join,
     of_contour,
     point_distance,
+    points_at,
     reverse,
     segments,
     sub_segments,
@@ -51,6 +52,9 @@ EARLY = 6
 #: Ends on a machine that recomputes them miss each other by up to this, um.
 RECOMPUTED = 2.0
 
+#: A contour comes by its start so near, um: both are rounded.
+BY = 2.0
+
 #: The middles of a block and of the way back on it lie within this, um: each deviates by up to 2
 #: from the route, and their numbers of steps may differ by a few.
 MIDDLES = 6.0
@@ -69,6 +73,8 @@ class Piece(NamedTuple):
         closed: the contour ends where it starts, within `LOST`.
         box: of the contour's places, x low, y low, x high, y high.
         area: signed, um^2; > 0 counter-clockwise.
+        past: how far the last block of the contour runs on over its start, um; 0 where it ends
+            there.
     """
 
     index: Ints  # type: ignore[assignment]
@@ -80,6 +86,7 @@ class Piece(NamedTuple):
     closed: bool
     box: Floats
     area: float
+    past: float = 0.0
 
     @property
     def out(self) -> int:
@@ -162,7 +169,41 @@ def _piece(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece:
             if len(near) and int(near[-1]) + 1 > best[0]:
                 best = (int(near[-1]) + 1, a, a + 1 + int(near[-1]))
         first, last = best[1], best[2]
+    if (first, last) == (0, len(index)) and (over := _runs_on(way, index, pauses)) is not None:
+        return over
     return _cut_out(way, index, pauses, first, last)
+
+
+def _runs_on(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece | None:
+    """Return a contour that comes by its start again, in the middle of a block or at its end.
+
+    An overlap: the way out begins where it ends, so it is not the way in.
+    """
+    n = len(index)
+    own, length = _own(way, index), way.lengths()[index]
+    ends = np.concatenate([way.start[index[:1]], way.end[index]]).astype(float)
+    most = abs(_measured(way, index)[1])
+    for first in range(1, min(EARLY, n - 1)):
+        x, y = (np.full(n, v) for v in ends[first])
+        at = progress(own, x, y)
+        passes = (point_distance(own, x, y) <= BY) & (at > BY) & (np.arange(n) > first)
+        for k in np.flatnonzero(passes)[:EARLY].tolist():
+            past = max(float(length[k] - at[k]), 0.0)
+            if past <= BY:
+                if (ends[k + 1] != ends[first]).any():
+                    continue
+                past = 0.0
+            # What runs on does so along the first block.
+            along = np.array([min(past, float(length[first])) / 2.0])
+            u, v = points_at(own.take(slice(first, first + 1)), along)
+            if past and point_distance(own.take(slice(k, k + 1)), u, v)[0] > 2.0 * BY:
+                continue
+            held = _cut_out(way, index, pauses, first, k + 1)
+            if abs(held.area) > 0.5 * most:
+                return (
+                    held if not past else held._replace(closed=True, again=0, turns=(), past=past)
+                )
+    return None
 
 
 def _cut_out(way: Walk, index: Ints, pauses: tuple[int, ...], first: int, last: int) -> Piece:
@@ -280,6 +321,8 @@ def match(
         number = len(assigned)
         parts.append((_own(way, piece.index[: piece.first]), int(Role.LEAD_IN), number))
         parts.append((path, int(Role.CONTOUR), number))
+        if piece.past:
+            parts.append((overcut(path, piece.past), int(Role.OVERCUT), number))
         here = piece.last
         for turn in piece.turns:
             _, area = _measured(way, piece.index[here:turn])
@@ -288,7 +331,8 @@ def match(
             here = turn
         parts.append((_own(way, piece.index[piece.out :]), int(Role.LEAD_OUT), number))
         pieces_of.append((piece, k))
-        assigned.append(Assigned(k, piece.index, piece.pauses))
+        closing = piece.last - 1 if piece.past else -1
+        assigned.append(Assigned(k, piece.index, piece.pauses, closing))
         backwards.append(back)
     for k in sorted(set(range(len(plan.cuts))) - set(runs_of)):
         x, y = path_box(plan.cuts[k])[:2]

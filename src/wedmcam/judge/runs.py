@@ -43,11 +43,14 @@ class Assigned(NamedTuple):
         cut: 0-based number in the plan.
         index: rows of the program.
         pauses: rows of ``index`` (positions) after which the machine pauses.
+        closing: row of ``index`` (position) of a block that closes the contour on its way and runs
+            on over its start; -1 where a block ends there.
     """
 
     cut: int
     index: Ints  # type: ignore[assignment]
     pauses: tuple[int, ...]
+    closing: int = -1
 
 
 def per_mm(program: Program) -> float:

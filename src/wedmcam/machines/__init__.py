@@ -12,20 +12,25 @@ from functools import cache
 from importlib.resources import files
 from pathlib import PurePath
 
-from wedmcam.diag import Diagnostic, TextSpan, error
+from wedmcam.diag import Diagnostic, TextSpan, error, note
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.profile import parse
 from wedmcam.machines.vocabulary import Known, Vocabulary
 
-#: The profile of a format when none is named.
+#: The profile that a format is written with when none is named.
 DEFAULTS: dict[str, str] = {
     "3b": "b3-compact",
     "compact": "zd065",
     "rotation": "zd065-rotation",
     "compensation": "zd065-compensation",
-    "iso": "iso-um",
+    "iso": "iso-mm",
     "4b": "b4-compact",
 }
+#: The profile it is read with, where that is another: an ISO program that is only shown is assumed
+#: to be in G91 and whole um where it says neither.
+READING: dict[str, str] = {"iso": "iso-um"}
+#: What a default was one release ago: whoever names none is told.
+BEFORE: dict[str, str] = {"iso": "iso-um"}
 
 
 @cache
@@ -91,12 +96,35 @@ def of_file(text: str, file: str) -> tuple[Machine | None, list[Diagnostic]]:
 
 
 def default(format_: str) -> Machine:
-    """Return the profile that a format has when none is named.
+    """Return the profile that a format is written with when none is named.
 
     Raises:
         KeyError: the format has none.
     """
     return builtin(DEFAULTS[format_])
+
+
+def reading(format_: str) -> Machine:
+    """Return the profile that a format is read with when none is named.
+
+    Raises:
+        KeyError: the format has none.
+
+    >>> default("iso").name, reading("iso").name, reading("3b").name
+    ('iso-mm', 'iso-um', 'b3-compact')
+    """
+    return builtin(READING.get(format_) or DEFAULTS[format_])
+
+
+def unnamed(machine: Machine) -> list[Diagnostic]:
+    """Return what is said where a program is written with the default of its format, unnamed."""
+    before = BEFORE.get(machine.format)
+    if before is None:
+        return []
+    what = f"profile {machine.name} (before: {before})"
+    return [
+        note("default-profile", what, hint=f"--profile {before} writes what was written before")
+    ]
 
 
 def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
@@ -109,7 +137,9 @@ def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
 
 
 __all__ = [
+    "BEFORE",
     "DEFAULTS",
+    "READING",
     "Axes",
     "Iso",
     "Known",
@@ -125,5 +155,7 @@ __all__ = [
     "names",
     "of_file",
     "parse",
+    "reading",
     "text",
+    "unnamed",
 ]

@@ -26,6 +26,8 @@ class Limits:
             the arc starts; a compact controller refuses a larger radius.
         memory_bytes: bytes of a binary program, end byte included; 0 for no limit.
         blocks: records of a text program, control records included; 0 for no limit.
+        line_chars: characters of one line of an ISO program, header and footer too, without blanks
+            and without text in parentheses or behind a semicolon; 0 for no limit.
         travel_um: how far the table goes, (x, y); None for no limit.
     """
 
@@ -34,6 +36,7 @@ class Limits:
     arc_um: int
     memory_bytes: int = 0
     blocks: int = 0
+    line_chars: int = 0
     travel_um: tuple[int, int] | None = None
 
 
@@ -128,6 +131,8 @@ class Iso:
             program that is read then tells its start, and is no move.
         feed_um: F that is written where no ``--feed`` is given, um a minute; not set: no F at all.
             With it F is a word that is known where a program is read.
+        feed_least_um: the controller cuts no slower than this, um a minute, whatever F says; 0 for
+            no such limit.
         words: see `Vocabulary`.
     """
 
@@ -151,6 +156,7 @@ class Iso:
     d: int = 1
     start: str = "g92"
     feed_um: int = 0
+    feed_least_um: int = 0
     words: Vocabulary = field(default_factory=Vocabulary)
 
 

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.diag.toml import read_toml
+from wedmcam.machines import around
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.vocabulary import CLASSES, Vocabulary, wrong_words
 
@@ -99,6 +100,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "arc_um": _whole(1000, 99_999_999, True),
         "memory_bytes": _whole(18, _UM, formats=_BINARY),
         "blocks": _whole(1, _UM, formats=_READABLE),
+        "line_chars": _whole(20, 10_000, formats=_ISO),
         "travel_um": _Key(list, "two whole numbers of um, x and y", _pair),
     },
     "axes": {
@@ -148,6 +150,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "d": _whole(0, 999, formats=_ISO),
         "start": _choice("g92", "move", formats=_ISO),
         "feed_um": _whole(1, _UM, formats=_ISO),
+        "feed_least_um": _whole(1, _UM, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },
 }
@@ -335,6 +338,10 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         if tables["iso"].get("coordinates") == "open" and top.get("writes", True):
             what = "'iso.coordinates' = \"open\" cannot be written: it takes writes = false"
             found.append(error("profile-value", what, _place(text, name, "iso", "coordinates")))
+        lines = (tables["layout"].get(key, []) for key in ("header", "footer"))
+        for key, why in around.faults(*lines):
+            what = f"'layout.{key}': {why}"
+            found.append(error("profile-value", what, _place(text, name, "layout", key)))
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):

@@ -163,7 +163,11 @@ class Target(Protocol):
         ...
 
     def write_carried(
-        self, program: Program, entries: Entries, senses: NDArray[np.int64] | None
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
     ) -> tuple[bytes | None, list[Diagnostic]]:
         """Return the bytes of a program that comes from another format; None where it cannot be.
 
@@ -172,6 +176,7 @@ class Target(Protocol):
             entries: as the operator enters them.
             senses: of an outline that stays one, `senses` of what it was made from, by the source
                 of each block.
+            feed_um: cutting speed, um a minute, for a profile that writes F.
         """
         ...
 

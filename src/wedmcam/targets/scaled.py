@@ -126,7 +126,11 @@ class Scaled(Stated):
         return found
 
     def write_carried(
-        self, program: Program, entries: Entries, senses: NDArray[np.int64] | None
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
     ) -> tuple[bytes | None, list[Diagnostic]]:
         """See `Target`."""
         if senses is not None:

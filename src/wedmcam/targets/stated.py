@@ -183,7 +183,11 @@ class Stated:
         )
 
     def write_carried(
-        self, program: Program, entries: Entries, senses: NDArray[np.int64] | None
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
     ) -> tuple[bytes | None, list[Diagnostic]]:
         """See `Target`."""
         data, found = self._encoded(program)
@@ -226,6 +230,17 @@ class Iso(Stated):
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
         return self._encoded(program, feed_um=options.feed_um)
+
+    def write_carried(
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
+    ) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `Target`."""
+        data, found = self._encoded(program, feed_um=feed_um)
+        return data, list(found)
 
     @property
     def stop_word(self) -> str:

@@ -6,11 +6,12 @@ The model [R], after what handbooks of such controllers have in common:
   on the normal of the first block. The lead-out starts on the normal of the last block.
 * Lines shift along their normal, arcs keep their centre. At outer corners an arc about the corner
   joins them, at inner corners they are cut where neighbours cross.
-* The controller looks one block ahead. A block that the offset leaves nothing of, or a crossing of
-  blocks that are no neighbours, it cannot see or refuses; so it is refused here.
+* The controller looks one block ahead (``lookahead``). A block that the offset leaves nothing of,
+  or a wire that comes too near to a block farther on, it cannot see or refuses; so it is refused
+  here. An outline may run on over its own start, and round again.
 * A stated centre that is not as far from the end as from the start moves to where it is.
 
-The path is that of ``compensate``, put on the grid and stepped as ``lower`` does it.
+The path is put on the grid and stepped as ``lower`` does it.
 """
 
 from __future__ import annotations
@@ -28,16 +29,8 @@ from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import Programmed
-from wedmcam.transforms.compensate import compensate
+from wedmcam.transforms.lookahead import Lost, beside
 from wedmcam.transforms.lower import Rules, lower
-
-#: A path that ends this near to its start, where the outline is closed, closes: the rounding of a
-#: joint that is tangent but for the last digit; um.
-CLOSED_UM = 0.5
-#: An inside radius this near to the offset becomes a point of the path; um.
-POINT_UM = 1.0
-#: The path must start and end beside the ends of the outline, within this; um.
-BESIDE_UM = 0.05
 
 Blocks = NDArray[np.void]
 
@@ -124,9 +117,12 @@ def _run(motions: Blocks, spans: list[Span], rules: Rules) -> tuple[_Made | None
             )
         ]
     outline = outline_of(motions[on], tuple(spans[k] for k in on.tolist()))
-    path, found = beside(outline, shift)
+    shifts = motions["shift"][on][outline.vertices["source"][:-1]]
+    path, lost = beside(outline, shifts, shift)
     if path is None:
-        return None, found
+        assert lost is not None
+        s = seg.of_rows(outline.starts, outline.ends)
+        return None, [_lost_error(outline, s, lost, float(shifts[lost.row]))]
     x, y = to_grid([lead["x0"], lead["y0"]]).tolist()
     cut = Cut(None, path, (x, y), keeps_left=shift < 0)
     lowered, found = lower(Plan((cut,), ()), rules)
@@ -191,108 +187,41 @@ def centred(motions: Blocks) -> tuple[Floats, Floats]:
     )
 
 
-def beside(outline: Contour, shift: float) -> tuple[Contour | None, list[Diagnostic]]:
-    """Return the path of the wire beside an open outline, or why the controller cannot make it.
-
-    Args:
-        outline: open, um; ``source`` numbers its blocks.
-        shift: to the left (negative: right), um.
-
-    Returns:
-        The path, closed where the outline ends at its start and the path does.
-    """
-    s = seg.of_rows(outline.starts, outline.ends)
-    smooth = _closes(outline, s, shift)
-    drawn = Contour(outline.vertices[:-1].copy(), True, outline.sources) if smooth else outline
-    made, found = compensate([drawn], [shift])
-    if found:
-        places = [(1e3 * x, 1e3 * y) for x, y in found[0].points_mm[:1]]
-        return None, [_lost_error(outline, s, shift, 0, *places)]
-    if made.interference:
-        met = made.interference[0]
-        rows = np.array([*met.rows, met.row])  # the shortest of those that are left out
-        k = int(rows[np.argmin(s.length[rows])])
-        return None, [_lost_error(outline, s, shift, k, met.at)]
-    paths = [_from_first(p.path) for p in made.paths]
-    lost = _lost(outline, s, shift, paths, smooth)
-    if lost is not None:
-        return None, [_lost_error(outline, s, shift, lost)]
-    return Contour(paths[0].vertices.copy(), smooth, outline.sources), []
-
-
-def _closes(outline: Contour, s: seg.Segments, shift: float) -> bool:
-    """Return whether an outline ends at its start, and its path does but for rounding."""
-    v = outline.vertices
-    if v["x"][0] != v["x"][-1] or v["y"][0] != v["y"][-1]:
-        return False
-    (ax, ay), (bx, by) = seg.end_tangents(s), seg.start_tangents(s)
-    angle = np.arctan2(ax[-1] * by[0] - ay[-1] * bx[0], ax[-1] * bx[0] + ay[-1] * by[0])
-    return bool(abs(angle * shift) <= CLOSED_UM)
-
-
-def _from_first(path: Contour) -> Contour:
-    """Return a closed path from where the first block begins; an open one as it is."""
-    v = path.vertices
-    if not path.closed:
-        return path
-    first = np.flatnonzero((v["source"] == 0) & (np.roll(v["source"], 1) != 0))
-    return Contour(np.roll(v, -int(first[0])), True, path.sources) if len(first) else path
-
-
-def _lost(
-    outline: Contour, s: seg.Segments, shift: float, paths: list[Contour], closed: bool
-) -> int | None:
-    """Return the first row that the path leaves out or cuts at the wrong place; None if none.
-
-    The path is the controller's where it runs once along every block, in order, from the normal of
-    the first to the normal of the last. An inside radius as large as the offset is a point.
-    """
-    if len(paths) != 1 or paths[0].closed != closed:
-        return 0
-    v = paths[0].vertices
-    block = outline.vertices["source"][:-1]
-    along = v["source"] if closed else v["source"][:-1]
-    once = along[np.concatenate([[True], np.diff(along) != 0])]
-    point = (s.turn * shift > 0) & (np.abs(s.radius - abs(shift)) <= POINT_UM)
-    row = np.flatnonzero(np.concatenate([[True], np.diff(block) != 0]))
-    row = row[~point[row] | np.isin(block[row], once)]
-    same = min(len(row), len(once))
-    off = np.flatnonzero(once[:same] != block[row[:same]])
-    if len(off):
-        return int(row[off[0]])
-    if len(once) != len(row):
-        return int(row[same]) if len(row) > same else int(row[-1])
-    if closed:
-        return None
-    ux, uy = seg.start_tangents(s)
-    wx, wy = seg.end_tangents(s)
-    first = np.hypot(v["x"][0] - s.x0[0] + shift * uy[0], v["y"][0] - s.y0[0] - shift * ux[0])
-    last = np.hypot(v["x"][-1] - s.x1[-1] + shift * wy[-1], v["y"][-1] - s.y1[-1] - shift * wx[-1])
-    if first > BESIDE_UM:
-        return 0
-    return len(s) - 1 if last > BESIDE_UM else None
-
-
-def _lost_error(
-    outline: Contour,
-    s: seg.Segments,
-    shift: float,
-    k: int,
-    at: tuple[float, float] | None = None,
-) -> Diagnostic:
-    x, y = seg.points_at(s.take(np.array([k])), 0.5 * s.length[k : k + 1])
-    px, py = at if at is not None else (float(x[0]), float(y[0]))
+def _lost_error(outline: Contour, s: seg.Segments, lost: Lost, shift: float) -> Diagnostic:
+    """Return why the controller cannot follow an outline, for people."""
+    x, y = lost.at
     offset = f"{abs(shift) / 1000:.3f} mm"
-    if s.turn[k] * shift > 0 and s.radius[k] < abs(shift):
-        radius = f"{s.radius[k] / 1000:.3f} mm"
+    other = f" of {_called(outline.source_of(lost.other))}" if lost.other >= 0 else ""
+    hint = (
+        "a smaller offset or larger inside radii (--corner), or a profile that does not leave the "
+        "offset to the controller"
+    )
+    if lost.kind == "radius":
+        radius = f"{s.radius[lost.row] / 1000:.3f} mm"
         what = f"its inside radius of {radius} is smaller than the offset {offset}"
+    elif lost.kind == "back":
+        what = f"it runs back on the block{other}, where the wire would be on its other side"
+        hint = (
+            "G40 and a lead-out before a pass the other way, which takes the other of G41 and G42"
+        )
+    elif lost.kind == "near":
+        what = (
+            f"with an offset of {offset} the wire comes {lost.gap_um / 1000:.3f} mm near to the "
+            f"block{other}"
+        )
+        if lost.row == len(s) - 1:
+            hint = "end the outline before or behind an inner corner, by more than the offset"
     else:
         what = f"with an offset of {offset} nothing is left of it, or it meets another block"
     return error(
         "compensation-lost",
-        f"the controller cannot offset this block at ({px / 1000:.3f}, {py / 1000:.3f}) mm from "
+        f"the controller cannot offset this block at ({x / 1000:.3f}, {y / 1000:.3f}) mm from "
         f"the start of the program: {what}",
-        outline.source_of(k),
-        hint="a smaller offset or larger inside radii (--corner), or a profile that does not leave "
-        "the offset to the controller",
+        outline.source_of(lost.row),
+        hint=hint,
     )
+
+
+def _called(span: Span | None) -> str:
+    line = getattr(span, "line", None)
+    return "another line" if line is None else f"line {line}"

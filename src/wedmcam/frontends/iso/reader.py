@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note
 from wedmcam.formats import b3, iso
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs

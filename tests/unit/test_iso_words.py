@@ -1,6 +1,8 @@
 """Which words of an ISO program its profile knows, what of a file is run, and what is said."""
 
 import re
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 from wedmcam.machines.vocabulary import IDLE, LEADING
 
+SAMPLES = Path(__file__).parents[2] / "samples"
 BASE = (
     'title = "t"\nformat = "iso"\nline_table = "rotate"\n[limits]\ncount_um = 999999\n'
     'line_um = 999999\narc_um = 999999\n[iso]\ncoordinates = "absolute"\nintegers = "mm"\n'
@@ -276,6 +279,24 @@ def test_centres_by_every_rule(text, answer):
     if answer != "start":
         _, found = read(text.format(code=""))
         assert f"--centres-in {answer}" in found[0].hint
+
+
+@pytest.mark.parametrize("name", ["iso-um", "iso-mm", "iso-fixed", "iso-g41", "iso-g41-mm"])
+@pytest.mark.parametrize("circle", ["halves", "one"])
+@pytest.mark.parametrize("rule", ["start", "absolute", "to-start"])
+def test_centres_are_written_as_they_are_read(name, circle, rule):
+    iso = replace(builtin(name).iso, ij=rule, full_circle=circle)
+    machine = replace(builtin(name), iso=iso)
+    for part in ("plate.dxf", "cam.wed"):
+        offset = {"offset": 0.1} if part.endswith("dxf") else {}
+        made = api.compile(SAMPLES / part, profile=machine, **offset)
+        assert made.ok, [d.message for d in made.findings]
+        usual = api.compile(
+            SAMPLES / part, profile=replace(machine, iso=replace(iso, ij="start")), **offset
+        )
+        same = rule == "start" or (rule == "absolute" and iso.coordinates == "incremental")
+        assert (made.data == usual.data) == same
+        assert (made.program.blocks == usual.program.blocks).all()
 
 
 def test_g90_1_and_g91_1_say_it_from_their_line_on():

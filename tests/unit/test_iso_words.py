@@ -1,6 +1,8 @@
 """Which words of an ISO program its profile knows, what of a file is run, and what is said."""
 
 import re
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 from wedmcam.machines.vocabulary import IDLE, LEADING
 
+SAMPLES = Path(__file__).parents[2] / "samples"
 BASE = (
     'title = "t"\nformat = "iso"\nline_table = "rotate"\n[limits]\ncount_um = 999999\n'
     'line_um = 999999\narc_um = 999999\n[iso]\ncoordinates = "absolute"\nintegers = "mm"\n'
@@ -202,7 +205,7 @@ def test_g80_ends_the_motion_before(text, good):
 
 
 @pytest.mark.parametrize(
-    "code", ["G17", "G61", "G61.1", "G64", "G64 P0.01", "G64 P.1 Q.1", "G93", "G94"]
+    "code", ["G17", "G61", "G61.1", "G64", "G64 P0.01", "G64 P.05 Q.01", "G94"]
 )
 def test_modes_that_change_no_path(code):
     program, found = read(FRAME.format(code))
@@ -210,8 +213,17 @@ def test_modes_that_change_no_path(code):
     assert ends(program) == [[5, 0], [5, 5]]
 
 
+@pytest.mark.parametrize("code", ["G64 P1", "G64 P0.06", "G64 P.01 Q2.0", "G64 P0.01 (IN)"])
+def test_a_path_that_is_rounded_far_is_another(code):
+    text = FRAME.format(code)
+    if "IN" in code:
+        text = text.replace("G21", "G20").replace("5.0", "0.5")
+    assert wrong(text) == ["iso-code"]
+
+
 @pytest.mark.parametrize(
-    "code", ["G18", "G19", "G28", "G29", "G30", "G48", "G49", "G50", "G51", "G52 A1", "G60", "G100"]
+    "code",
+    ["G18", "G19", "G93", "G28", "G29", "G30", "G48", "G49", "G50", "G51", "G52 A1", "G60", "G100"],
 )
 def test_codes_that_nothing_is_known_of_are_named(code):
     found = [t for t in told(FRAME.format(code)) if t[0] == "error"]
@@ -267,6 +279,24 @@ def test_centres_by_every_rule(text, answer):
     if answer != "start":
         _, found = read(text.format(code=""))
         assert f"--centres-in {answer}" in found[0].hint
+
+
+@pytest.mark.parametrize("name", ["iso-um", "iso-mm", "iso-fixed", "iso-g41", "iso-g41-mm"])
+@pytest.mark.parametrize("circle", ["halves", "one"])
+@pytest.mark.parametrize("rule", ["start", "absolute", "to-start"])
+def test_centres_are_written_as_they_are_read(name, circle, rule):
+    iso = replace(builtin(name).iso, ij=rule, full_circle=circle)
+    machine = replace(builtin(name), iso=iso)
+    for part in ("plate.dxf", "cam.wed"):
+        offset = {"offset": 0.1} if part.endswith("dxf") else {}
+        made = api.compile(SAMPLES / part, profile=machine, **offset)
+        assert made.ok, [d.message for d in made.findings]
+        usual = api.compile(
+            SAMPLES / part, profile=replace(machine, iso=replace(iso, ij="start")), **offset
+        )
+        same = rule == "start" or (rule == "absolute" and iso.coordinates == "incremental")
+        assert (made.data == usual.data) == same
+        assert (made.program.blocks == usual.program.blocks).all()
 
 
 def test_g90_1_and_g91_1_say_it_from_their_line_on():

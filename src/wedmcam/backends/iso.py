@@ -226,7 +226,8 @@ def encode_outlines(
         ends_at = (to - here if incremental else to).tolist()
         words += [f"{k}{_number(how, v)}" for k, v in zip("XY", ends_at, strict=True)]
         if turn:
-            words += [f"{k}{_number(how, v)}" for k, v in zip("IJ", centre.tolist(), strict=True)]
+            from_here = _centre(how, here.tolist(), centre.tolist())
+            words += [f"{k}{_number(how, v)}" for k, v in zip("IJ", from_here, strict=True)]
         rows.append(sep.join(words))
         if mark >= 0 and open_end[mark]:
             rows.append("G40")
@@ -258,25 +259,42 @@ def _number(how: Iso, value: int) -> str:
     return f"{sign}{f'{size // 10**n}.{size % 10**n:0{n}d}':0>{max(how.width, 1)}}"
 
 
-def _arc(how: Iso, end: list[int], centre: list[int], halves: bool) -> list[list[str]]:
+def _centre(how: Iso, start: list[int], centre: list[int]) -> list[int]:
+    """Return I and J as a profile has them, of a centre relative to the start of its arc.
+
+    >>> _centre(Iso(ij="absolute", coordinates="absolute"), [5, 0], [-5, 1])
+    [0, 1]
+    """
+    if how.ij == "to-start":
+        return [-c for c in centre]
+    if how.ij == "absolute" and how.coordinates == "absolute":
+        return [s + c for s, c in zip(start, centre, strict=True)]
+    return centre
+
+
+def _arc(
+    how: Iso, start: list[int], end: list[int], centre: list[int], halves: bool
+) -> list[list[str]]:
     """Return the coordinates of an arc, or of both halves of a full circle.
 
     Args:
         how: the dialect.
+        start: in absolute coordinates.
         end: as it is written, of the whole arc.
         centre: relative to the start.
         halves: it is a full circle that is written in two.
 
-    >>> _arc(Iso(), [0, 0], [-9, 4], True)
+    >>> _arc(Iso(), [0, 0], [0, 0], [-9, 4], True)
     [['X-18', 'Y8', 'I-9', 'J4'], ['X18', 'Y-8', 'I9', 'J-4']]
     """
-    arcs = [(end, centre)]
+    arcs = [(end, _centre(how, start, centre))]
     if halves:
         there = [2 * c for c in centre]
         back = [-v for v in there] if how.coordinates == "incremental" else end
         if how.coordinates == "absolute":
             there = [e + v for e, v in zip(end, there, strict=True)]
-        arcs = [(there, centre), (back, [-c for c in centre])]
+        arcs += [(back, _centre(how, there, [-c for c in centre]))]
+        arcs[0] = (there, arcs[0][1])
     return [
         [f"{k}{_number(how, v)}" for k, v in zip("XYIJ", [*to, *c], strict=True)] for to, c in arcs
     ]
@@ -312,13 +330,16 @@ def _rows(  # type: ignore[no-untyped-def]
     )
     whole = (motion.dx == 0) & (motion.dy == 0) & (how.full_circle == "halves")
     ended = False
+    here = [int(np.floor(v * per + 0.5)) for v in program.origin]
     for i, (kind, turn, x, y, cx, cy) in enumerate(columns):
         if kind == Kind.ARC:
             code = codes[3 if turn > 0 else 2]
-            rows += [sep.join([code, *w]) for w in _arc(how, [x, y], [cx, cy], whole[i])]
+            rows += [sep.join([code, *w]) for w in _arc(how, here, [x, y], [cx, cy], whole[i])]
         elif kind <= Kind.MOVE:
             code = codes[0 if kind == Kind.MOVE and how.rapid else 1]
             rows.append(sep.join([code, f"X{_number(how, x)}", f"Y{_number(how, y)}"]))
+        if kind <= Kind.MOVE:
+            here = [x, y]
         elif kind == Kind.PAUSE:
             rows.append(pause)
         elif kind == Kind.WORD:

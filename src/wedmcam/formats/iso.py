@@ -23,7 +23,7 @@ END_UM = 5.0
 MOTION = (0, 1, 2, 3)
 #: G04, a wait, and modes in which a wire machine that is not told otherwise already is: nothing of
 #: the path changes.
-NOTHING_NEW = (4, 17, 61, 64, 80, 93, 94, 95)
+NOTHING_NEW = (4, 17, 61, 64, 80, 94, 95)
 PAUSES = (0, 1)
 ENDS = (2, 30)
 #: Ends a main program of Sodick, as M02 does [github.com/Meconer/SodickDXFCoder writes either].

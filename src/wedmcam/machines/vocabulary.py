@@ -45,7 +45,7 @@ LEADING = frozenset(
     PER_CODE * n for n in (*range(4), 20, 21, 40, 41, 42, *range(53, 60), 70, 71, 90, 91, 92)
 ) | {901, 911}
 #: G codes of which the reader knows that they change no path: a wait, and modes.
-IDLE = frozenset(PER_CODE * n for n in (4, 17, 61, 64, 80, 93, 94, 95)) | {171, 611}
+IDLE = frozenset(PER_CODE * n for n in (4, 17, 61, 64, 80, 94, 95)) | {171, 611}
 #: M codes of subprograms.
 CALLS = frozenset(PER_CODE * n for n in (97, 98, 99, 198, 199))
 #: Letters of words that the reader runs, whatever their number.

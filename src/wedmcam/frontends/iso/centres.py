@@ -138,14 +138,19 @@ def centres_by_rule(
 
 def ask(r: Reading, arcs: Ints, stated: Bools, centres: Centres) -> None:
     """Ask for the rule where no arc proves it: ``stated`` arcs have I or J alone."""
-    asked = stated & centres.is_open & (centres.shift > 1000)
+    asked = stated & centres.is_open
+    if not r.dialect.named:  # [R] a way is from the start where no machine is named
+        asked &= centres.shift > 1000
     if not asked.any():
         return
-    fit = [asked & fits(centres.ends, centres.by[k]) for k in (Rule.START, Rule.ABSOLUTE)]
-    if (asked & ~fit[0] & ~fit[1]).any():  # neither: that is an error with its own hint
-        return
-    both = fit[0] & fit[1] & ~r.bad[arcs]
-    if both.any() and not (fit[0] ^ fit[1]).any():
+    fit = {rule: asked & fits(centres.ends, centres.by[rule]) for rule in _ANSWERS.values()}
+    fit[Rule.ABSOLUTE] &= centres.shift > 1000
+    if not r.dialect.named:
+        del fit[Rule.TO_START]
+    many = sum((f.astype(np.int64) for f in fit.values()), np.zeros(len(arcs), np.int64))
+    both = fit[Rule.START] & (many > 1) & ~r.bad[arcs]
+    # An arc of one rule proves it; one of none is an error with its own hint.
+    if both.any() and not (asked & (many < 2)).any():
         first = int(arcs[np.argmax(both)])
         r.questions += dialects.of_centres(first, int(both.sum()), r.words, r.plain)
 

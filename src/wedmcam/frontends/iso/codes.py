@@ -12,6 +12,9 @@ from wedmcam.frontends.iso.words import Words
 
 Bools = NDArray[np.bool_]
 
+#: G64 with P or Q up to this rounds a path no more than machines do anyway, mm [R].
+MOST_ROUNDED = 0.05
+
 
 def take_dwells(r: Reading) -> None:
     """Take the time behind G04 (X, U, P, F or S) out of the words: it is no place and no call."""
@@ -33,16 +36,25 @@ def take_dwells(r: Reading) -> None:
 
 
 def take_tolerances(r: Reading) -> None:
-    """Take P and Q behind G64 out: how far the path may be rounded (LinuxCNC), and no call."""
+    """Take P and Q behind G64 out: how far the machine may round the path (LinuxCNC), and no call.
+
+    Up to `MOST_ROUNDED` it is how exactly the machine runs, as steps are; beyond it another path.
+    """
     w = r.words
     blends = (w.letter == ord("G")) & w.good & ~w.pointed & (w.whole == 64)
     if not blends.any():
         return
     here = np.zeros(r.lines, bool)
     here[w.line[blends]] = True
-    calls = (w.letter == ord("M")) & ~w.pointed & np.isin(w.whole, iso.SUBPROGRAMS)
-    here[w.line[calls]] = False
-    r.words = w.without_words(here[w.line] & ((w.letter == ord("P")) | (w.letter == ord("Q"))))
+    m = (w.letter == ord("M")) & w.good & ~w.pointed
+    here[w.line[m & np.isin(w.whole, iso.SUBPROGRAMS)]] = False
+    rounds = here[w.line] & w.good & ((w.letter == ord("P")) | (w.letter == ord("Q")))
+    inches = ((w.letter == ord("G")) & ~w.pointed & np.isin(w.whole, (20, 70))).any()
+    most = MOST_ROUNDED / (25.4 if inches else 1)
+    far = rounds & (w.whole / 10.0**w.decimals > most)
+    why = f"G64 lets the machine round the path so far: above {MOST_ROUNDED} mm it is another one"
+    r.tell_words(Severity.ERROR, "iso-code", far, why, "G61, or a smaller P")
+    r.words = w.without_words(rounds)
 
 
 def dotted_codes(r: Reading) -> Bools:

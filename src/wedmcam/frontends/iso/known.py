@@ -138,4 +138,4 @@ def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
         return otherwise
     ranked = sorted(of, key=lambda name: (-len(of[name]), name))
     told = "; ".join(f"{name} ({', '.join(of[name])})" for name in ranked)
-    return f"profiles that know the word: {told}; --profile-in NAME reads it as that machine does"
+    return f"profiles that know the word: {told}; --profile-in NAME takes it as that machine does"

@@ -15,7 +15,6 @@ from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Axis, Program
 from wedmcam.machines import Machine
-from wedmcam.machines.vocabulary import PER_CODE, Known
 from wedmcam.options import Options, WrongUse
 from wedmcam.targets.entries import Entries
 
@@ -232,11 +231,11 @@ class Iso(Stated):
     turns = False
 
     def keeps(self, word: str) -> bool:
-        """See `Stated`; of a profile that names its words, those that it calls harmless."""
-        known = self.machine.iso.words
-        if not super().keeps(word):
-            return False
-        return not known or known.class_of("M", int(word[1:]) * PER_CODE) is Known.HARMLESS
+        """See `Stated`; none for a profile that names its words.
+
+        M20 threads the wire at one machine and drills at the next: a name is no meaning.
+        """
+        return super().keeps(word) and not self.machine.iso.words
 
     def write(
         self, program: Program, plan: Plan, entries: Entries, options: Options

@@ -433,6 +433,8 @@ def _summary(
         result["profile_toml"] = as_toml(machine)
     if options.d:  # what is entered at the controller belongs to the program
         result["d_um"] = {str(number): um for number, um in options.d}
+        if machine.iso.offsets == "diameter":
+            result["d_is"] = "diameter"
     if out is None or not output_name:
         result["output"] = None
     result["ok"] = out is not None
@@ -677,9 +679,10 @@ def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list
 
     if not target.makes_path or options.d or options.offset_um is not None:
         return []
-    table = [f"D{number} = {um / 1000:.4f} mm" for number, um in entries.d]
+    table = [f"{number} = {length}" for number, length in entries.lines()]
     if entries.every_um is not None:
-        table.append(f"every D = {entries.every_um / 1000:.4f} mm")
+        entry = f"{(1 + entries.diameter) * entries.every_um / 1000:.4f} mm"
+        table.append(f"every {entries.letter} = {entry}{' (diameter)' * entries.diameter}")
     if not table:
         return []
     text = f"{', '.join(table)} is taken to be entered at the controller: the offsets of the source"

@@ -195,7 +195,7 @@ M02
 """
 
 
-@pytest.mark.parametrize("to", ["3b", "4b", "compact", "rotation", "compensation", "wed"])
+@pytest.mark.parametrize("to", ["3b", "4b", "compact", "rotation", "compensation", "wed", "dxf"])
 def test_field_m_words(to):
     # A bare M20 in a 3B file is a word that no 3B controller knows.
     made = conversion.convert(M_WORDS.encode(), to=to, units_in="mm", entered=NO_GAP)
@@ -216,3 +216,30 @@ def test_words_stay_where_both_formats_have_them():
     assert "not-carried" not in codes(iso)
     four = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="4b", entered=NO_GAP)
     assert b"QUENCH" in four.data
+
+
+@pytest.mark.parametrize("to", ["compact", "rotation", "compensation", "iso", "wed", "dxf"])
+@pytest.mark.parametrize("format_", ["3b", "4b"])
+def test_words_of_3b_and_4b_are_named_with_their_count(format_, to):
+    text = b"B5000B0B5000GXL1\nQUENCH\nB0B5000B5000GYL2\nWASH\nQUENCH\nDD\nE\n"
+    made = conversion.convert(text, to=to, format=format_, entered=NO_GAP)
+    assert made.ok, codes(made)
+    lost = [d for d in made.findings if d.code == "not-carried"]
+    assert [d.count for d in lost] == [3]
+    assert "QUENCH (2 times), WASH" in lost[0].message
+    strict = conversion.convert(text, to=to, format=format_, entered=NO_GAP, strict=True)
+    assert not strict.ok
+
+
+@pytest.mark.parametrize(("profile", "kept"), [("linuxcnc", ["M08", "M50"]), ("grbl", ["M08"])])
+def test_a_controller_gets_no_m_word_that_it_does_not_know(profile, kept):
+    text = M_WORDS.replace("M81", "M81\nM08\nM99999\nM50")
+    made = conversion.convert(text.encode(), profile=profile, units_in="mm", feed_um=2000.0)
+    assert made.ok, codes(made)
+    stands = [t for t in made.data.decode().splitlines() if t[0] == "M" and t != "M02"]
+    assert stands == kept
+    lost = [d for d in made.findings if d.code == "not-carried"]
+    left = "M20 (2 times), M80, M81, M99999" + (", M50" if profile == "grbl" else "")
+    assert left in lost[0].message
+    again = conversion.convert(made.data, to="3b", profile_in=profile)
+    assert "unknown-word" not in codes(again)

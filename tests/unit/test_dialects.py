@@ -4,6 +4,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -278,6 +279,26 @@ def test_a_word_that_is_refused_says_why(name, old, new, what):
     assert any(what in d.message for d in wrong), [d.message for d in found]
 
 
+def test_another_h_inside_compensation_is_read_as_somebody_says():
+    """Sodick programs take the lead with H000, then change; no source says more."""
+    old = b"G42 H001 G01 X0.0 Y5.0; C001;"
+    data = text_of("sodick").replace(old, b"G42 H000 G01 X0.0 Y5.0;\nH001 C001;")
+    assert data != text_of("sodick")
+    _, _, found = read("sodick", data)
+    assert errors(found) == ["compensation-place"]
+    own = machines.text("sodick").replace("[iso]\n", '[iso]\noffset_change = "skewed"\n')
+    machine, wrong = machines.parse(own, "sodick")
+    assert wrong == []
+    program, machine, found = read("sodick", data, profile=machine)
+    assert errors(found) == []
+    _, ends = api.positions(program, machine)
+    # The first block of the outline runs from the one offset to the other.
+    start = np.array([-3000, 5000])
+    assert (ends[:3] + start).tolist() == [[-10, 5000], [-210, 0], [0, -210]]
+    nothing = data.replace(b"H000   = +000000.0100", b"H000   = +000000.0000")
+    assert errors(read("sodick", nothing)[2]) == []
+
+
 def test_a_word_that_a_dialect_does_not_name_is_said():
     data = text_of("mitsubishi").replace(b"M58", b"M59")
     _, _, found = read("mitsubishi", data)
@@ -369,6 +390,23 @@ def test_samples_are_written_in_words_of_the_dialect_and_read_back(name, profile
     back = conversion.convert(there.data, to="iso", profile=profile, name="a.3b")
     assert back.ok, [d.message for d in back.findings]
     assert back.difference.distance_um == there.difference.distance_um == 0
+
+
+@pytest.mark.parametrize("profile", WRITTEN)
+def test_m_words_of_another_machine_are_no_words_of_a_dialect(profile):
+    """M17 is machining on at Makino; what it is at a Fanuc machine no source states."""
+    data = text_of("fanuc").replace(b"M00;", b"M17;\nM00;")
+    done = conversion.convert(
+        data,
+        to="iso",
+        profile=profile,
+        profile_in="fanuc",
+        name="a.nc",
+        entered=Entries(d=ENTERED["fanuc"]),
+    )
+    assert done.ok, [d.message for d in done.findings]
+    assert b"M17" not in done.data
+    assert any(d.code == "not-carried" and "M17" in d.message for d in done.findings)
 
 
 # --- identify -------------------------------------------------------------------------------------

@@ -38,7 +38,7 @@ def made(name, **lines):
         *("G20", "g20", "G 2 0", "G70", "G68 R45", "G51 P2", "G52 X5", "G54 X5", "G10 L2 P1 X5"),
         *("G01 X5.0 Y5.0", "G00 X5.0 Y5.0", "G91 G01 X5", "X5.0", "Z5", "U5 V5", "A5", "I5"),
         *("G18", "G16", "G28", "G31", "G38.2", "G50 X5", "G83 X5", "G90.1", "G92.1", "G92.3"),
-        *("G93", "G7", "M02", "M30", "M60", "M70", "M98 P1", "G64 P1", "G41 D1", "G42 H1"),
+        *("G7", "M02", "M30", "M60", "M70", "M98 P1", "G41 D1", "G42 H1"),
         *("#1=5", "PLATE 7", "A)"),
     ],
 )
@@ -59,6 +59,26 @@ def test_a_header_that_the_program_overrules_is_proven(name, line):
     assert one.ok
     proof = api.verify(one.data, profile=one.machine, name="a.nc", against=PUNCH, offset=0.1)
     assert proof.ok, [d.message for d in proof.findings]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("G64", ["G64"]),
+        ("G 064 P0.5", ["G64"]),
+        ("G93", ["G93"]),
+        ("G64 G95", ["G64", "G95"]),
+        ("G64 G61", []),
+        ("G61.1 G93 G94", []),
+        ("(G64)", []),
+    ],
+)
+def test_a_mode_that_no_step_of_the_proof_sees_is_said(line, said):
+    found = made("linuxcnc", header=[line]).findings
+    warned = [d.message.split()[0] for d in found if d.code == "header-mode"]
+    assert warned == said
+    of_um = [d for d in made("iso-um", header=[line]).findings if d.code == "header-mode"]
+    assert len(of_um) == ("G64" in said)  # no F there
 
 
 def test_a_g92_of_a_header_counts_only_where_the_program_says_its_own():

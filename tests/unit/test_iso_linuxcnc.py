@@ -100,7 +100,11 @@ def test_arcs_are_inside_the_tolerance_of_both(name):
         x, y = at["X"], at["Y"]
 
 
-@pytest.mark.skipif(RS274 is None, reason="LinuxCNC's interpreter rs274 is not installed")
+@pytest.mark.skipif(
+    RS274 is None,
+    reason="LinuxCNC's interpreter rs274 is not here: apt install linuxcnc-uspace (Debian), or "
+    "unpack that package and name its rs274 in WEDMCAM_RS274",
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_linuxcnc_takes_all_samples(name, tmp_path):
     program = tmp_path / "a.ngc"

@@ -403,3 +403,189 @@ def test_field_offset_header():
     _, found = iso(text.replace("L002\n", "").replace("G90", "G90 G20"))
     assert codes(found) == ["text-skipped", "iso-offsets"]
     assert "no G41 or G42 uses this table (3 offsets)" in found[1].message
+
+
+# --- what a controller makes of its table: keys of a profile -------------------------------------
+
+
+def profile(**iso):
+    from dataclasses import replace
+
+    base = builtin("iso-mm")
+    return replace(base, iso=replace(base.iso, **iso))
+
+
+#: Two passes in one run, numbered by H, the wire outside of what it runs round clockwise.
+CHANGE = """G90 G21
+H000 = 0.010
+H001 = 0.14
+H002 = 0.1
+G92 X8.0 Y0.0
+G42 H000 G01 X10.0
+H001
+Y-10.0
+X-10.0
+Y10.0
+X10.0
+Y0.0
+H002
+Y-10.0
+X-9.0
+G40 H000 Y-8.0
+M02
+"""
+SKEWED = profile(offset_change="skewed")
+
+
+def test_another_number_is_refused_unless_a_profile_says_what_it_does():
+    _, found = read(CHANGE, machine=builtin("iso-mm"))
+    errors = [d for d in found if str(d.severity) == "error"]
+    assert [(d.code, d.span.line) for d in errors] == [
+        ("compensation-place", 8),
+        ("compensation-place", 14),
+    ]
+    assert "another H" in errors[0].message
+    assert "offset_change" in errors[0].hint
+
+
+def test_a_straight_block_runs_from_the_old_offset_to_the_new_one():
+    program, found = read(CHANGE, machine=SKEWED)
+    assert ends(program) == [
+        (1990, 0),  # 0.010 beside the first block
+        (1860, -9860),  # askew
+        (-17860, -9860),
+        (-17860, 9860),
+        (1860, 9860),
+        (1860, 0),
+        (1900, -9900),  # askew again
+        (-17000, -9900),
+        (-17000, -8000),
+        (-17000, -8000),
+    ]
+    (said,) = [d for d in found if str(d.severity) == "warning"]
+    assert said.code == "iso-offsets"
+    assert said.span.line == 8
+    assert "H1 = 0.1400 mm after H0 = 0.0100 mm" in said.message
+    assert "(2 lines)" in said.message
+
+
+def test_at_corners_the_neighbours_meet_at_their_own_offset():
+    """At an outer corner with the old offset in front of the block, the new one behind it."""
+    text = "G91\nG41 D1 G01 Y500\nX-900\nD2\nY900\nX-900\nG40\nM02\n"
+    program, _ = read(text, [(1, 100.0), (2, 50.0)], profile(offset_change="skewed", integers="um"))
+    made = ends(program)
+    assert made[0] == (0, 400)
+    assert (-1000, 500) in made  # the arc about the corner ends on the old normal
+    assert (-950, 1350) in made
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ("H001\nY-10.0\nX-10.0", "H001\nG02 X0.0 Y-10.0 I-10.0\nG01 X-10.0", "another H in an arc"),
+        ("H002\nY-10.0", "G41 H002\nY-10.0", "change places"),
+    ],
+)
+def test_what_no_source_tells_stays_refused(old, new, what):
+    _, found = read(CHANGE.replace(old, new, 1), machine=SKEWED)
+    assert any(what in d.message for d in found if d.code == "compensation-place"), found
+
+
+def test_an_offset_of_0_before_begins_compensation_and_is_said():
+    text = CHANGE.replace("0.010", "0.000")
+    text = text[: text.index("H002\n")] + "G40 X8.0\nM02\n"
+    for machine in (builtin("iso-mm"), SKEWED):
+        program, found = read(text, machine=machine)
+        assert ends(program)[:2] == [(2000, 0), (2000, -9860)]
+        assert "after H0 = 0.0000 mm" in next(d for d in found if d.span.line == 8).message
+
+
+def test_an_offset_of_0_at_the_end_is_a_way_out():
+    text = CHANGE.replace("0.010", "0.000").replace(
+        "H002\nY-10.0\nX-9.0\nG40 H000 Y-8.0", "H000 X8.0"
+    )
+    program, _ = read(text, machine=SKEWED)
+    assert ends(program)[-3:-1] == [(1860, 0), (0, 0)]
+    _, found = read(text, machine=builtin("iso-mm"))
+    assert "compensation-place" in codes(found)
+
+
+def test_the_number_in_the_line_of_g40_is_none_of_the_outline():
+    once = TABLE.replace("G40 X8.0", "G40 H000 X8.0")
+    assert ends(iso(once)[0]) == ends(iso(TABLE)[0])
+
+
+def test_d0_is_no_offset():
+    text = "G91\nG41 D0 G01 X500\nG01 Y500\nG40\nM02\n"
+    program, found = read(text, [(1, 100.0)])
+    assert ends(program)[:2] == [(500, 0), (500, 500)]
+    again, more = read(text)
+    assert again.blocks.tolist() == program.blocks.tolist()
+    assert codes(found) == codes(more) == ["iso-offsets"]
+    assert "no offset" in found[0].message
+    assert not read(text, [(0, 0.0)])[1]
+    _, found = read(text.replace("D0", "H0"))
+    assert found[0].hint.endswith("--d 0=0mm")
+
+
+def test_entries_that_are_diameters():
+    twice = profile(offsets="diameter")
+    program, found = read(TABLE, machine=twice)
+    assert ends(program)[0] == (1930, 0)
+    said = [d.message for d in found]
+    assert "H1 = 0.1400 mm is a diameter: the wire runs 0.0700 mm beside the outline" in said
+    assert "H1 = 0.1400 mm, of the table in the file" in said
+    entered = TABLE.replace("H001 = 0.14\n", "")
+    program, _ = target_of(twice).read(entered.encode(), "a.nc", Entries(d=((1, 200.0),)))
+    assert ends(program)[0] == (1900, 0)
+    # The offset of a drawing is an offset.
+    program, found = target_of(twice).read(entered.encode(), "a.nc", Entries(every_um=100.0))
+    assert ends(program)[0] == (1900, 0)
+    assert not found
+
+
+def test_linuxcnc_numbers_diameters_by_d():
+    text = TABLE.replace("H001 = 0.14\n", "").replace("H001", "D1").replace("G92", "G00")
+    entered = Entries(d=((1, 200.0),))
+    program, _, found = api.read_program(
+        text.encode(), name="a.nc", entered=entered, profile="linuxcnc"
+    )
+    assert ends(program)[0] == (1900, 0)
+    assert "D1 = 0.2000 mm is a diameter: the wire runs 0.1000 mm beside the outline" in [
+        d.message for d in found
+    ]
+    _, _, found = api.read_program(
+        text.replace("D1", "H1").encode(), name="a.nc", entered=entered, profile="linuxcnc"
+    )
+    assert "H numbers no offset at this controller" in found[0].message
+
+
+def test_diameters_and_h_are_written_and_said(tmp_path):
+    from pathlib import Path
+
+    from wedmcam.setup_sheet import sheet
+
+    machine = profile(
+        compensation="controller", decimals=4, offsets="diameter", offset_word="H", d=3
+    )
+    source = Path(__file__).parents[2] / "samples" / "key-punch.dxf"
+    made = api.compile(source.read_bytes(), name="k.dxf", profile=machine, offset=0.1)
+    assert made.ok, [d.message for d in made.findings]
+    assert b" H3 " in made.data
+    assert made.entries.lines() == [("H3", "0.2000 mm (diameter)")]
+    assert made.summary["d_um"] == {"3": 200.0}
+    assert made.summary["d_is"] == "diameter"
+    assert any("0.2000 mm (diameter)" in str(part) for part in [sheet(made, "k")])
+    proof = api.verify(
+        made.data, against=source, name="k.nc", offset=0.1, profile=machine, d=((3, 200.0),)
+    )
+    assert proof.ok
+    assert "H3 = 0.2000 mm is a diameter: the wire runs 0.1000 mm beside the outline" in [
+        d.message for d in proof.findings
+    ]
+    plain = api.verify(made.data, against=source, name="k.nc", offset=0.1, profile=machine)
+    assert plain.ok
+    wrong = api.verify(
+        made.data, against=source, name="k.nc", offset=0.1, profile=machine, d=((3, 100.0),)
+    )
+    assert not wrong.ok

@@ -58,7 +58,7 @@ def written_out(text, style):
     def run(at, out):
         while True:
             words = lines[at].split()
-            if words and words[0][0] == letter and words[0][1:].isdigit():
+            if at and words and words[0][0] == letter and words[0][1:].isdigit():
                 words = words[1:]
             plain = [x for x in words if x not in ("M98", "M99") and x[0] not in "PL"]
             if plain:
@@ -214,6 +214,19 @@ def test_a_profile_that_is_named_says_the_style():
     # What is said beside the profile wins.
     assert ends(read(INLINE, "N-label", profile=programs)[0])[-2] == [5, 0]
     assert "runs none" in refused(INLINE, "none", profile=labels).message
+
+
+def test_a_profile_that_refuses_calls_gives_way_to_what_is_said():
+    _, found = read(INLINE, None, profile="makino")
+    assert "M98: calls a subprogram; no source states" in " ".join(d.message for d in found)
+    text = INLINE.replace("M199", "M02")
+    assert ends(read(text, "N-label", profile="makino")[0])[-2] == [5, 0]
+
+
+def test_field_m98_inline_with_the_profile_of_its_machine():
+    program, found = read(INLINE, None, profile="sodick")
+    assert [d.code for d in found] == ["subprogram-run"]
+    assert ends(program)[-2:] == [[5, 0], [0, 0]]
 
 
 def test_none_is_refused_in_pictures_too():
@@ -464,3 +477,29 @@ def test_lines_that_many_labels_share_are_counted_fast():
     error = refused(f"{HEAD}G91\n{calls}M02\n{subs}M99\n")
     assert "lines would be run" in error.message
     assert time.perf_counter() - start < 5.0
+
+
+def test_a_call_behind_m199_is_a_call_of_no_label():
+    """M199 ends the program of one style and is nothing in the other: both are asked for."""
+    text = "G21 G90\nG01 X1.0\nM199\nM98 P1\nM02\nN1\nM99\n"
+    assert "subprogram" in {d.code for d in read(text, None, shown=True)[1]}
+    assert read(text, None)[0] is None
+    assert ends(read(text)[0]) == [[1, 0]]
+
+
+def test_a_part_is_proven_through_its_calls():
+    drawing = Path(__file__).parents[2] / "samples" / "plate.dxf"
+    made = api.compile(drawing, profile="linuxcnc", offset=0.1)
+    lines = made.data.decode().splitlines()
+    third = len(lines) // 3
+    main = [*lines[:third], "M98 P0001", *lines[2 * third : -1], lines[-1]]
+    text = "\n".join([*main, "O0001", *lines[third : 2 * third], "M99", ""])
+    proof = api.verify(
+        text.encode(),
+        name="a.nc",
+        against=drawing,
+        offset=0.1,
+        profile="linuxcnc",
+        subprograms_in="O-number",
+    )
+    assert proof.ok

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.ir.program import Kind
+from wedmcam.diag import Diagnostic, counted, warning
+from wedmcam.ir.program import Kind, Program
 
 Ints = NDArray[np.int64]
 Blocks = NDArray[np.void]
@@ -129,3 +130,21 @@ def _leads(blocks: Blocks, rows: Ints, starts: Ints, ends: Ints) -> int:
             break
         count += 1
     return count
+
+
+def words_left_out(program: Program, rows: list[int], where: str) -> list[Diagnostic]:
+    """Return the warning that names control words which have no place in what is written.
+
+    Args:
+        program: as decoded.
+        rows: numbers of the blocks that are such words, from 0.
+        where: what is written, for people.
+    """
+    if not rows:
+        return []
+    words = dict(program.words)
+    which = counted(words[i] for i in rows)
+    what = f"control words that have no place in {where}, left out: {which}"
+    at = program.spans[rows[0]] if rows[0] < len(program.spans) else None
+    hint = "see to it at the machine"
+    return [warning("not-carried", what, at, hint=hint, count=len(rows))]

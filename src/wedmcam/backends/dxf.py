@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import Stretch, beside, stretches
+from wedmcam.backends.contours import Stretch, beside, stretches, words_left_out
 from wedmcam.diag import Diagnostic
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
@@ -50,7 +50,8 @@ def encode(program: Program, machine: Machine) -> bytes:
 
 def converted(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
     """Return the drawing of a decoded program called ``name``: a target of ``convert``."""
-    return encode(program, machine), []
+    words = [i for i, _ in program.words]
+    return encode(program, machine), words_left_out(program, words, "a drawing")
 
 
 def _written(program: Program, machine: Machine) -> bytes:

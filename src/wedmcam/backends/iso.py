@@ -147,6 +147,9 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
     found = _long_lines([*layout.header, *rows, *layout.footer], machine)
+    for code, what in around.modes(layout.header, bool(machine.iso.feed_um)):
+        hint = "G61 and G94 behind it, or without it"
+        found.append(warning("header-mode", f"{code} in the header: {what}", hint=hint))
     if idle := around.behind_end(layout.footer):
         what = f"{', '.join(dict.fromkeys(idle))} of the footer: behind the end (M02), not run"
         hint = "leave it out of 'footer', or put it into 'header'"
@@ -216,7 +219,8 @@ def encode_outlines(
         words = [codes[2 + (turn > 0) if turn else 0 if kind == Kind.MOVE and how.rapid else 1]]
         if mark >= 0 and motions["role"][mark] == Role.LEAD_IN:
             side = 41 if motions["shift"][mark] > 0 else 42
-            words = [f"G{side}", f"D{int(motions['d'][mark])}", *words]
+            number = f"{'H' if how.offset_word == 'H' else 'D'}{int(motions['d'][mark])}"
+            words = [f"G{side}", number, *words]
         elif mark >= 0 and motions["role"][mark] == Role.LEAD_OUT:
             words = ["G40", *words]
         ends_at = (to - here if incremental else to).tolist()

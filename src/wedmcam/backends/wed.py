@@ -16,9 +16,9 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import Stretch, beside, stretches
+from wedmcam.backends.contours import Stretch, beside, stretches, words_left_out
 from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic, Span, counted, error, visible, warning
+from wedmcam.diag import Diagnostic, Span, error, visible, warning
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
@@ -85,11 +85,7 @@ def source(
         cuts.append(cut)
         for i, what in lost:
             found.append(warning("not-carried", what, _span(program, int(rows[i]))))
-    if lost := [(i, word) for i, word in program.words if i < last]:
-        which = counted(word for _, word in lost)
-        what = f"control words that have no place in the part language, left out: {which}"
-        hint, at = "see to it at the machine", _span(program, lost[0][0])
-        found.append(warning("not-carried", what, at, hint=hint, count=len(lost)))
+    found += words_left_out(program, [i for i, _ in program.words if i < last], "the part language")
     return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), found
 
 

@@ -792,9 +792,10 @@ CODES: dict[str, Code] = {
         "Give the table: --d 1=0.1mm for D1, as it is entered at the controller.",
     ),
     "iso-offsets": Code(
-        "An ISO program holds a table of offsets (H001 = 0.14).",
-        "It says by how much G41 and G42 offset the path, unless --d gives something else.",
-        "Compare it with what is entered at the machine.",
+        "What the entries of a table of offsets are: one in the file (H001 = 0.14), diameters, D0, "
+        "or another entry in the middle of a path.",
+        "They say by how much G41 and G42 offset the path; --d wins over the file.",
+        "Compare them with what is entered at the machine.",
     ),
     "iso-d": Code(
         "G41 or G42 with a D that is missing, is no number of an offset, or was not given.",
@@ -804,7 +805,8 @@ CODES: dict[str, Code] = {
     "compensation-place": Code(
         "Compensation is switched on, off or over where controllers differ, or never followed.",
         "One controller refuses it, another cuts a path of its own.",
-        "Lead in and out on straight lines (G01), with one side and one D between them.",
+        "Lead in and out on straight lines (G01), with one side and one D between them; what "
+        "another D does, offset_change of a profile may say.",
     ),
     "compensation-lead": Code(
         "The lead to an outline that the controller offsets is too short or on the wrong side.",
@@ -812,7 +814,8 @@ CODES: dict[str, Code] = {
         "Start farther from the outline, on the side of the wire: --start.",
     ),
     "compensation-lost": Code(
-        "The controller cannot offset a block: nothing is left of it, or it meets another one.",
+        "The controller cannot offset a block: nothing is left of it, it comes too near to another "
+        "one, or it runs back on one.",
         "Controllers look one block ahead: they stop with an alarm, or cut into the part.",
         "A smaller offset or larger inside radii; or let wedmcam compute the offset.",
     ),
@@ -890,6 +893,12 @@ CODES: dict[str, Code] = {
         "It cuts faster than is asked for: the wire may touch, and break.",
         "Give a --feed of that speed or more, or change the limit in the controller and in the "
         "profile (feed_least_um).",
+    ),
+    "header-mode": Code(
+        "The header of an ISO profile leaves a mode in force that no step of the proof sees.",
+        "G64 rounds corners for speed, in LinuxCNC without P however far; in G93 and G95 F is a "
+        "time, or a way a turn.",
+        "Leave the code out of the header, or put G61 and G94 behind it.",
     ),
     "over-line": Code(
         "A line of an ISO program is longer than the controller takes.",

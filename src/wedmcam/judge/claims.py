@@ -123,6 +123,7 @@ _MORE: dict[str, Fits] = {
     **dict.fromkeys(
         ("stepped_closure_um", "stepped_max_deviation_um", "stepped_gouge_um"), _figure
     ),
+    "d_is": lambda v: v == "diameter",
     "d_um": lambda v: isinstance(v, dict) and all(map(_number, v.values())),
 }
 

@@ -1,8 +1,8 @@
 """Lines that a profile puts around an ISO program: what of them no proof would see.
 
 Header and footer are free, and are decoded and proven with the program. But what stands behind M02
-is run by no reader, and by some controllers (GRBL); and of a parenthesis that is not closed, or of
-a % inside a program, each controller makes something else.
+is run by no reader, and by some controllers (GRBL); and of an open parenthesis, or of a % inside a
+program, each controller makes something else.
 """
 
 from __future__ import annotations
@@ -31,6 +31,28 @@ def behind_end(footer: Sequence[str]) -> list[str]:
     return [word for word in words if not _IDLE.fullmatch(word)]
 
 
+def modes(header: Sequence[str], feed: bool) -> list[tuple[str, str]]:
+    """Return the codes that a header leaves in force and no proof sees, each with what it does.
+
+    Args:
+        header: lines in front of a program; of codes of one kind the last counts.
+        feed: the program holds F.
+
+    >>> modes(["G61 G64 P0.5", "G93 G94"], True)
+    [('G64', 'the controller may round corners')]
+    """
+    text = re.sub(r"\s", "", " ".join(_TEXT.sub("", line) for line in header)).upper()
+    last = {}
+    for code in re.findall(r"G0*(6[14]|9[345])(?![\d.])", text):
+        last[code[0]] = code
+    found = []
+    if last.get("6") == "64":
+        found.append(("G64", "the controller may round corners"))
+    if feed and last.get("9", "94") != "94":
+        found.append((f"G{last['9']}", "F is no length a minute"))
+    return found
+
+
 def faults(header: Sequence[str], footer: Sequence[str]) -> list[tuple[str, str]]:
     """Return what is wrong with header and footer: which of them, and why.
 
@@ -44,15 +66,11 @@ def faults(header: Sequence[str], footer: Sequence[str]) -> list[tuple[str, str]
         for n, line in enumerate(lines):
             rest = _TEXT.sub("", line)
             if "(" in rest or ")" in rest:
-                why = (
-                    f"'{line}': a parenthesis is open, and some controllers take all behind it for"
-                )
-                found.append((key, why + " text"))
+                why = f"'{line}': a parenthesis is open: to some controllers all behind it is text"
+                found.append((key, why))
             elif re.fullmatch(r"[\s%]*%[\s%]*", rest) and n != at:
-                where = "the first line of a header" if key == "header" else "the last of a footer"
-                found.append(
-                    (key, f"'%' ends a program for some controllers: it stands in {where}")
-                )
+                where = "first in a header" if key == "header" else "last in a footer"
+                found.append((key, f"'%' may end a program: it stands {where}"))
     moves = [word for word in behind_end(footer) if _MOVES.fullmatch(word)]
     if moves:
         why = f"'{' '.join(moves)}' stands behind M02: some controllers stop there, others go on"

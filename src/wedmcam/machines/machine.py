@@ -109,9 +109,6 @@ class Iso:
             profile does not say it.
         subprograms: how subprograms are called: ``N-label``: M98 P0001 runs the blocks from N0001
             to M99; ``O-number``: M98 P1234 runs those from O1234 to M99; ``none``: they are not.
-        offsets: what an entry of the controller's table of offsets is: a ``radius`` or a
-            ``diameter``.
-        offset_word: letter of the words that number offsets, ``D`` or ``H``.
         code_digits: of G and M codes: 2 writes G01, 1 writes G1.
         rapid: moves are G00; else G01 between two M00.
         sign: ``negative`` writes a minus only, ``always`` a plus too.
@@ -125,6 +122,12 @@ class Iso:
             as the place falls. Of paths of the wire; an outline in G41 or G42 keeps its circle.
         d: number of the first offset in the controller's table; a program with several offsets
             takes the next ones too.
+        offsets: what an entry of the controller's table is: ``radius``: how far the wire runs
+            beside the outline; ``diameter``: twice that.
+        offset_word: the letter of the numbers of offsets, ``D`` or ``H``; the other one is refused
+            where a program is read. ``either``: D is written, and either is read.
+        offset_change: what another number of an offset does while the path is offset: ``refused``:
+            it is not known; ``skewed``: a straight block runs from the old offset to the new one.
         start: how a program tells where it starts: ``g92`` says that the wire stands there and what
             its place is called; ``move`` sets nothing and goes there with G00 in coordinates that
             are set at the machine, with a wire that stands there already. The first G00 of a
@@ -143,8 +146,6 @@ class Iso:
     ij: str = "start"
     semicolon: str = ""
     subprograms: str = "none"
-    offsets: str = "radius"
-    offset_word: str = "D"
     code_digits: int = 2
     rapid: bool = False
     sign: str = "negative"
@@ -154,6 +155,9 @@ class Iso:
     compensation: str = "computed"
     full_circle: str = "halves"
     d: int = 1
+    offsets: str = "radius"
+    offset_word: str = "either"
+    offset_change: str = "refused"
     start: str = "g92"
     feed_um: int = 0
     feed_least_um: int = 0

@@ -138,8 +138,6 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "ij": _choice("start", "absolute", "to-start", "open", formats=_ISO),
         "semicolon": _choice("block", "comment", formats=_ISO),
         "subprograms": _choice("none", "N-label", "O-number", formats=_ISO),
-        "offsets": _choice("radius", "diameter", formats=_ISO),
-        "offset_word": _choice("D", "H", formats=_ISO),
         "code_digits": _whole(1, 2, formats=_ISO),
         "rapid": _Key(bool, "true or false", lambda v: True, formats=_ISO),
         "sign": _choice("negative", "always", formats=_ISO),
@@ -148,6 +146,9 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "compensation": _choice("computed", "controller", formats=_ISO),
         "full_circle": _choice("halves", "one", formats=_ISO),
         "d": _whole(0, 999, formats=_ISO),
+        "offsets": _choice("radius", "diameter", formats=_ISO),
+        "offset_word": _choice("either", "D", "H", formats=_ISO),
+        "offset_change": _choice("refused", "skewed", formats=_ISO),
         "start": _choice("g92", "move", formats=_ISO),
         "feed_um": _whole(1, _UM, formats=_ISO),
         "feed_least_um": _whole(1, _UM, formats=_ISO),
@@ -335,13 +336,13 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         found.append(error("profile-value", what, place))
     if known_format in _ISO:
         found += _of_iso(tables["iso"], text, name)
-        if tables["iso"].get("coordinates") == "open" and top.get("writes", True):
-            what = "'iso.coordinates' = \"open\" cannot be written: it takes writes = false"
-            found.append(error("profile-value", what, _place(text, name, "iso", "coordinates")))
         lines = (tables["layout"].get(key, []) for key in ("header", "footer"))
         for key, why in around.faults(*lines):
             what = f"'layout.{key}': {why}"
             found.append(error("profile-value", what, _place(text, name, "layout", key)))
+        if tables["iso"].get("coordinates") == "open" and top.get("writes", True):
+            what = "'iso.coordinates' = \"open\" cannot be written: it takes writes = false"
+            found.append(error("profile-value", what, _place(text, name, "iso", "coordinates")))
     layout = tables["layout"]
     encoding = layout.get("encoding", "ascii")
     for key in ("header", "footer"):

@@ -31,7 +31,9 @@ class Entries:
         gap_um: of a compensation or 4B file, whole um; None where it is not stated: what is read
             then is the outline, and `Target.unstated` says so.
         outwards: True for a part (punch), False for a die.
-        d: numbers and offsets of an ISO program that the controller offsets, um.
+        d: numbers and entries of the table of a controller that offsets an ISO program, um.
+        letter: of those numbers, ``D`` or ``H``.
+        diameter: an entry is twice the offset.
         every_um: the offset of all D numbers where ``d`` is empty; None for none.
         dialect: what is said of a foreign ISO program; None where its machine is known.
     """
@@ -41,6 +43,8 @@ class Entries:
     gap_um: float | None = None
     outwards: bool = True
     d: tuple[tuple[int, float], ...] = ()
+    letter: str = "D"
+    diameter: bool = False
     every_um: float | None = None
     dialect: Dialect | None = None
 
@@ -76,7 +80,7 @@ class Entries:
             raise WrongUse(f"--gap is a whole number of um from 0 on, not {self.gap_um:g} um")
 
     def offset_of(self) -> Callable[[int], float | None] | None:
-        """Return the controller's table, D number to um; None where nothing was entered.
+        """Return the offset of each number of the controller's table, um; None where none is.
 
         Raises:
             WrongUse: an offset below 0, or two for one number.
@@ -89,8 +93,10 @@ class Entries:
         for number, offset in self.d:
             if offset < 0:
                 raise WrongUse(
-                    f"--d {number}: an offset is not negative; G41 and G42 tell the side"
+                    f"--d {number}: an offset is not negative; G41 and G42 tell the side (one "
+                    "below 0 would be the same offset with the other of the two)"
                 )
+            offset = offset / 2 if self.diameter else offset
             if entered.setdefault(number, offset) != offset:
                 raise WrongUse(f"--d {number} is given twice")
         if entered:
@@ -99,9 +105,10 @@ class Entries:
         return None if every is None else lambda number: every
 
     def lines(self) -> list[tuple[str, str]]:
-        """Return the offsets as people enter them.
+        """Return the entries as people enter them.
 
-        >>> Entries(d=((1, 101.6),)).lines()
-        [('D1', '0.1016 mm')]
+        >>> Entries(d=((1, 101.6),)).lines(), Entries(d=((1, 200.0),), diameter=True).lines()
+        ([('D1', '0.1016 mm')], [('D1', '0.2000 mm (diameter)')])
         """
-        return [(f"D{number}", f"{um / 1000:.4f} mm") for number, um in self.d]
+        what = " (diameter)" if self.diameter else ""
+        return [(f"{self.letter}{number}", f"{um / 1000:.4f} mm{what}") for number, um in self.d]

@@ -124,10 +124,12 @@ class Offsetting(Iso):
         return self.entries(plan) if all(cut.offset_um for cut in plan.cuts) else said
 
     def entries(self, plan: Plan) -> Entries:
-        """A D number for each offset."""
+        """A number for each offset."""
         from wedmcam.transforms import outlines
 
-        return Entries(d=tuple(outlines.numbers(plan, self.machine.iso.d).items()))
+        twice = 2.0 if self.machine.iso.offsets == "diameter" else 1.0
+        offsets = outlines.numbers(plan, self.machine.iso.d)
+        return self._of_table(Entries(d=tuple((n, twice * um) for n, um in offsets.items())))
 
     def write(
         self, program: Program, plan: Plan, entries: Entries, options: Options
@@ -182,7 +184,8 @@ def encode(
     found = travel(to_controller(lowered, machine.axes), machine)
     if has_errors(found):
         return b"", found
-    table = dict(entries.d)
+    offset_of = entries.offset_of()
+    table = {n: offset_of(n) or 0.0 for n, _ in entries.d} if offset_of is not None else {}
     writer = _Writer(lowered, machine, table, options.feed_um)
     tried = writer.tried(plan, [])
     if tried.strays:

@@ -6,6 +6,7 @@ the format.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -14,6 +15,7 @@ from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Axis, Program
 from wedmcam.machines import Machine
+from wedmcam.machines.vocabulary import PER_CODE, Known
 from wedmcam.options import Options, WrongUse
 from wedmcam.targets.entries import Entries
 
@@ -166,6 +168,10 @@ class Stated:
         """A path is no outline."""
         return None
 
+    def keeps(self, word: str) -> bool:
+        """Return whether a bare control word of another format is one in this too."""
+        return bool(re.fullmatch(self.words, word))
+
     def carry_rules(self, source: str) -> carry.Rules:
         """See `Target`."""
         from wedmcam.transforms.carry import Rules
@@ -176,7 +182,7 @@ class Stated:
             stepping=self.machine.stepping,
             count_um=self.machine.limits.count_um,
             line_um=self.machine.limits.line_um,
-            words=".*" if source in self.kin else self.words,
+            keeps=(lambda word: True) if source in self.kin else self.keeps,
             pairs=self.pairs,
             end=self.end,
             turns=self.turns,
@@ -225,6 +231,13 @@ class Iso(Stated):
     words = r"M\d{1,4}"
     turns = False
 
+    def keeps(self, word: str) -> bool:
+        """See `Stated`; of a profile that names its words, those that it calls harmless."""
+        known = self.machine.iso.words
+        if not super().keeps(word):
+            return False
+        return not known or known.class_of("M", int(word[1:]) * PER_CODE) is Known.HARMLESS
+
     def write(
         self, program: Program, plan: Plan, entries: Entries, options: Options
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
@@ -252,7 +265,13 @@ class Iso(Stated):
         every = options.offset_um
         if every is None and not options.d and plan is not None:
             every = _one_offset(plan)
-        return Entries(d=options.d, every_um=every)
+        return self._of_table(Entries(d=options.d, every_um=every))
+
+    def _of_table(self, entries: Entries) -> Entries:
+        """Return entries as this controller's table takes them."""
+        how = self.machine.iso
+        letter = "H" if how.offset_word == "H" else "D"
+        return replace(entries, letter=letter, diameter=how.offsets == "diameter")
 
     def read(
         self, data: bytes, file: str, entries: Entries
@@ -260,7 +279,7 @@ class Iso(Stated):
         """See `Target`."""
         from wedmcam.targets.g41 import decode
 
-        table = entries.offset_of()
+        table = self._of_table(entries).offset_of()
         return decode(data, self.machine, file, table, entries.dialect, assumed=not entries.d)
 
 

@@ -9,7 +9,7 @@ here has to be believed.
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,7 +31,7 @@ class Rules:
         square: arcs count on the inscribed square, not on an axis.
         stepping: of the other controller, as it looks from the drawing.
         count_um: largest J. line_um: largest component of a line.
-        words: a pattern of the bare control words that are kept; empty for none.
+        keeps: whether a bare control word stays one.
         pairs: a line alone between two pauses would be read as a move.
         turns: a block may hold more than a turn.
         square_axis: how the square counts at a tie, `Axis` SQUARE or SQUARE_X.
@@ -42,7 +42,7 @@ class Rules:
     stepping: Stepping
     count_um: int
     line_um: int
-    words: str
+    keeps: Callable[[str], bool]
     pairs: bool
     end: bool
     turns: bool = True
@@ -77,9 +77,7 @@ def carry(
     moving = kind <= Kind.MOVE
     kept = ~moving | (motion.steps > 0)
     words = dict(program.words)
-    lost = np.array(
-        [i for i, word in words.items() if not re.fullmatch(rules.words, word)], dtype=np.int64
-    )
+    lost = np.array([i for i, word in words.items() if not rules.keeps(word)], dtype=np.int64)
     if len(lost):
         which = counted(words[i] for i in lost.tolist())
         what = f"control words that have no place in the other format, left out: {which}"

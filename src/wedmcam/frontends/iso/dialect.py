@@ -83,8 +83,14 @@ def completed(said: Dialect, profile: Iso) -> tuple[Dialect, Iso]:
         return said, closed
     leaves = frozenset(opened) if said.asks else frozenset()
     centres = said.centres or (None if "ij" in leaves else closed.ij)
-    semicolon = said.semicolon or profile.semicolon or None
-    return replace(said, centres=centres, semicolon=semicolon, leaves=leaves), closed
+    style = profile.subprograms if profile.subprograms != "none" else None
+    return replace(
+        said,
+        centres=centres,
+        semicolon=said.semicolon or profile.semicolon or None,
+        subprograms=said.subprograms or style,
+        leaves=leaves,
+    ), closed
 
 
 # --- questions ------------------------------------------------------------------------------------

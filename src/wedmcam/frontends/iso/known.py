@@ -99,7 +99,7 @@ def _tell_harmless(
         return
     w = r.words
     found, first = np.unique(entry[mine], return_index=True)
-    every = rows[mine]
+    every = r.once(rows[mine])
     said = [
         f"{r.named(rows[entry == one])}: {texts[one]}" for one in found[np.argsort(first)].tolist()
     ]

@@ -1,8 +1,9 @@
 """Where an ISO program switches compensation on and off (G41, G42, G40), and whether it may there.
 
-A controller goes into compensation on a straight lead-in, stays on one side with one D, and leaves
-on a straight lead-out. What else a file may say differs from controller to controller, so it is
-refused here with its place: there is no telling what would be cut.
+A controller goes into compensation on a straight lead-in, stays on one side, and leaves on a
+straight lead-out. With another number of an offset some run askew to it: where a profile says so it
+is read. What else a file may say differs from controller to controller, so it is refused here with
+its place: there is no telling what would be cut.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Severity
 from wedmcam.ir.program import Role
+from wedmcam.machines import builtin, names
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -35,6 +37,8 @@ class Modes:
         d: D number in force, -1 for none.
         table: see `Table`.
         letter: of the words that number offsets.
+        skewed: with another number a straight block runs from the old offset to the new one.
+        mm: what 1 of an offset is, mm.
     """
 
     code: Ints
@@ -42,6 +46,8 @@ class Modes:
     d: Ints
     table: Table
     letter: str = "D"
+    skewed: bool = False
+    mm: float = 0.001
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +119,7 @@ def runs_of(r: Reader, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> 
     again = np.zeros(len(rows), bool)
     again[1:] = on[1:] & before[1:] & (said[1:] != said[:-1])
     tell(again, "no motion stands between G40 and this line", "lead out on a straight line, G01")
-    tell(other, "another D while compensation is on", "G40 before the other D")
+    _tell_changes(r, rows, other, leads_in, motion, modes, d, offset)
     cure = "lead in and out on straight lines, G01"
     tell(leads_in & (motion >= 2), "compensation is switched on in an arc", cure)
     tell(leads_out & (motion >= 2), "compensation is switched off in an arc", cure)
@@ -157,7 +163,7 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         "iso-d",
         none,
         lambda i: f"G41 or G42 without a {modes.letter}: by how much is nowhere said",
-        "D with the number of the offset, such as G41 D1",
+        f"{modes.letter} with the number of the offset, such as G41 {modes.letter}1",
     )
     where = np.flatnonzero(on & first & (d >= 0))
     where = where[[modes.table(n) is None for n in d[where].tolist()]]
@@ -168,4 +174,56 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         lambda i: f"no offset was given for {modes.letter}{d[where[i]]}",
         "give what is entered at the controller, such as "
         + " ".join(f"--d {n}=0.1mm" for n in np.unique(d[where]).tolist()),
+    )
+
+
+def _tell_changes(
+    r: Reader,
+    rows: Ints,
+    other: Bools,
+    leads_in: Bools,
+    motion: Ints,
+    modes: Modes,
+    d: Ints,
+    offset: NDArray[np.float64],
+) -> None:
+    """Report another number of an offset while G41 or G42 is in force.
+
+    Args:
+        rows: lines with a motion.
+        other: of these, which have another number than the one before, in compensation.
+        leads_in: at which compensation begins; it does so too where the offset before was 0.
+        motion, d, offset: of each.
+    """
+    n, code = modes.letter, modes.code[rows]
+    askew = leads_in.copy()
+    askew[0] = False
+    askew[1:] &= (code[:-1] == code[1:]) & (d[:-1] != d[1:]) & (d[:-1] >= 0)
+    wrong = other & (motion >= 2)
+    hint = f"the other {n} in front of a straight line, or behind G40"
+    what = f"another {n} in an arc while compensation is on"
+    if modes.skewed:
+        askew |= other & ~wrong & (offset > 0)
+    else:
+        wrong = other
+        what = f"another {n} while compensation is on: the file does not say what is made of it"
+        known = [name for name in names() if builtin(name).iso.offset_change == "skewed"]
+        hint = (
+            f"G40 before the other {n}; or, where the controller runs from the one offset to the "
+            'other, offset_change = "skewed" in its profile'
+        )
+        hint += f" ({', '.join(known)})" if known else ""
+    where = rows[wrong]
+    r.tell_lines(Severity.ERROR, "compensation-place", where, lambda i: what, hint)
+    skew = np.flatnonzero(askew)
+    r.tell_lines(
+        Severity.WARNING,
+        "iso-offsets",
+        rows[skew],
+        lambda i: (
+            f"{n}{d[skew[i]]} = {offset[skew[i]] * modes.mm:.4f} mm after "
+            f"{n}{d[skew[i] - 1]} = {offset[skew[i] - 1] * modes.mm:.4f} mm: along this block the "
+            "wire runs askew, from the one offset to the other"
+        ),
+        "G40 before the other number keeps the wire parallel",
     )

@@ -42,7 +42,7 @@ from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
 from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
-from wedmcam.frontends.iso.subprograms import calls_in, ends_of, run_subprograms
+from wedmcam.frontends.iso.subprograms import STYLES, calls_of, ends_of, order_of
 from wedmcam.frontends.iso.table import Tables, modes_of
 from wedmcam.frontends.iso.tape import take_end, take_number
 from wedmcam.frontends.iso.words import Words
@@ -102,12 +102,15 @@ def read(
         dialect: as for `decode`.
     """
     r = Reading(data, machine, file, dialect or Dialect())
-    runs = vocabulary_of(r).class_of("M", 98 * PER_CODE) is not Known.REFUSED
-    take_end(r, by_word=not (runs and calls_in(r)))
+    # A profile may refuse calls, for nothing states what they run; the user may still say it.
+    refuses = vocabulary_of(r).class_of("M", 98 * PER_CODE) is Known.REFUSED
+    runs = not refuses or r.said.subprograms in STYLES
+    take_end(r, by_word=not (runs and calls_of(r)))
     take_number(r)
+    order = order_of(r) if runs else None
     _tell_text(r)
-    if runs:
-        run_subprograms(r)
+    if order is not None:
+        r.run_in(order)
     take_dwells(r)
     take_tolerances(r)
     classes = take_known(r)

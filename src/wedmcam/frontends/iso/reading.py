@@ -48,9 +48,7 @@ class Reading:
         self.questions: list[Question] = []
         self.bad: Bools = np.zeros(self.lines, bool)
         #: How subprograms are run, as the user or the profile says; None where neither does.
-        self.subprograms: str | None = dialect.subprograms
-        if dialect.named and dialect.subprograms is None and machine.iso.subprograms != "none":
-            self.subprograms = machine.iso.subprograms
+        self.subprograms: str | None = self.dialect.subprograms
         #: Of each line that is run its line in the text; None where that is the same.
         self.order: Ints | None = None
         #: Calls are not run: what is found on the path is another's.
@@ -85,8 +83,7 @@ class Reading:
         where = np.flatnonzero(mask)
         if severity is Severity.ERROR:
             self.bad[w.line[where]] = True
-        if self.order is not None:  # once for each place in the text
-            where = where[np.unique(w.start[where], return_index=True)[1]]
+        where = self.once(where)
         if severity is not Severity.ERROR:
             if len(where):
                 at, end = int(w.start[where[0]]), int(w.end[where[0]])
@@ -107,9 +104,15 @@ class Reading:
         ):
             self.found.append((int(w.start[i]), d))
 
+    def once(self, where: Ints) -> Ints:
+        """Return some words without those that stand in the same place of the text, run again."""
+        if self.order is None:
+            return where
+        return where[np.unique(self.words.start[where], return_index=True)[1]]
+
     def named(self, where: Ints) -> str:
         """Return the different ones of some words, in their order, each with its count."""
-        w = self.words
+        w, where = self.words, self.once(where)
         # Letter, digits and decimals as one number: 12 digits leave room for both.
         key = (w.whole[where] * 16 + np.minimum(w.decimals[where], 15)) * 128 + w.letter[where]
         _, first, many = np.unique(key, return_index=True, return_counts=True)

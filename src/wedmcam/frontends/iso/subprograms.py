@@ -16,7 +16,7 @@ main program runs without end). Eight levels: Mitsubishi's *Subprogram Call: M98
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,23 +98,28 @@ def ends_of(style: str | None) -> tuple[int, ...]:
     return (*iso.ENDS, iso.END_OF_LABELS) if style == "N-label" else iso.ENDS
 
 
-def calls_in(r: Reading) -> bool:
-    """Return whether a text has a call, so that what stands behind its end may be run."""
+def calls_of(r: Reading) -> bool:
+    """Return whether the main program calls a subprogram."""
     w = r.words
-    return bool(((w.letter == ord("M")) & w.good & ~w.pointed & (w.whole == 98)).any())
+    rows = np.flatnonzero(w.letter == ord("M"))
+    if not np.isin(w.whole[rows], 98).any():
+        return False
+    code = _codes(w)
+    return bool((w.line[code == 98] <= _last_of_main(w, code, r.subprograms, r.lines)).any())
 
 
-def run_subprograms(r: Reading) -> None:
-    """Put the lines in the order in which they are run, and report what cannot be.
+def order_of(r: Reading) -> Ints | None:
+    """Return the lines of the text in the order in which they are run, and report what cannot be.
 
-    A text without M98 and M99 in its main program is left as it is. Where nothing says the style,
-    it is asked; what only shows takes the one that fits, and where none does, it is refused there
-    too: the lines of a subprogram, run where they stand, are another path.
+    None for a text that calls nothing, and one that cannot be run. Where nothing says the style, it
+    is asked; what only shows takes the one that fits, and where none does, it is refused there too:
+    the lines of a subprogram, run where they stand, are another path. Lines that are run nowhere
+    are left out of the text.
     """
     w = r.words
     rows = np.flatnonzero(w.letter == ord("M"))
     if not np.isin(w.whole[rows], (98, 99)).any():
-        return
+        return None
     code = _codes(w)
     said = r.subprograms
     last = _last_of_main(w, code, said, r.lines)
@@ -123,11 +128,13 @@ def run_subprograms(r: Reading) -> None:
         back = np.flatnonzero((code == 99) & (w.line <= last))
         r.questions += dialects.of_returns(back, w, r.plain)
         r.words = w.without_words(code == 99)
-        return
+        return None
     if said in STYLES:
         plan = _plan_of(r, code, str(said))
     else:
-        fits = [p for p in (_plan_of(r, code, style) for style in STYLES) if not p.wrong]
+        plans = [_plan_of(r, code, style) for style in STYLES]
+        # M199 may end the main program before the first call: then the style runs none.
+        fits = [p for p in plans if p.live.any() and not p.wrong]
         names = [p.style for p in fits]
         asked = dialects.of_subprograms(calls, w, r.plain, names, said == "none")
         runs = len(fits) == 1 and said != "none"
@@ -137,15 +144,15 @@ def run_subprograms(r: Reading) -> None:
             r.questions += asked
         if not r.dialect.shown or not runs:
             _leave(r, code, iso.END_OF_LABELS)
-            return
+            return None
         plan = fits[0]
     if plan.wrong:
         for lines, what, hint in plan.wrong:
             r.tell_lines(Severity.ERROR, "subprogram", lines, what, hint)
         _leave(r, code)
-        return
+        return None
     r.subprograms = plan.style
-    _run(r, plan)
+    return _run(r, plan)
 
 
 def _codes(w: Words) -> Ints:
@@ -213,7 +220,7 @@ def _plan_of(r: Reading, code: Ints, style: str) -> Plan:
         plan.refuse(call[at], _at(what, at), hint)
     _check_lines(r, plan, code, backs)
     _check_bodies(r, plan, code)
-    if not plan.wrong:
+    if plan.live.any() and not plan.wrong:
         _count(r, plan)
     return plan
 
@@ -334,7 +341,7 @@ def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
         _BEHIND,
     )
     motion = np.isin(w.letter, np.frombuffer(_MOTION, np.uint8))
-    motion |= (w.letter == ord("G")) & np.isin(w.whole, (4, 92))
+    motion |= (w.letter == ord("G")) & np.isin(w.whole, (4, 64, 92))
     called, returned = np.zeros(r.lines, bool), np.zeros(r.lines, bool)
     called[plan.call[plan.live]] = True
     returned[plan.back[plan.used & (plan.back < r.lines)]] = True
@@ -491,8 +498,8 @@ def _order_of(r: Reading, plan: Plan) -> Ints:
     return order
 
 
-def _run(r: Reading, plan: Plan) -> None:
-    """Put the lines in their order, leave out those that are run nowhere, and say both."""
+def _run(r: Reading, plan: Plan) -> Ints:
+    """Return the order, leave out the lines that are run nowhere, and say both."""
     w = r.words
     order = _order_of(r, plan)
     done = np.zeros(r.lines, bool)
@@ -509,8 +516,11 @@ def _run(r: Reading, plan: Plan) -> None:
     at = int(w.line_start[plan.call[np.argmax(plan.live)]])
     r.found.append((at, note("subprogram-run", what, r.spans.at(at))))
     _tell_idle(r, plan, filled & ~done)
-    r.words = w.without_words(plan.spent)
-    r.run_in(order)
+    w = w.without_words(plan.spent | ~done[w.line])
+    stray = w.stray[done[np.searchsorted(w.line_end, w.stray)]]
+    r.words = replace(w, stray=stray, skipped=w.skipped[done[w.skipped]])
+    r.titles = r.titles[done[r.titles]]
+    return order
 
 
 def _often(times: int) -> str:

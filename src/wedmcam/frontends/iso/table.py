@@ -8,7 +8,7 @@ from decimal import Decimal
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Severity, error, note, warning
+from wedmcam.diag import FileSpan, Severity, error, note, warning
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.dialect import UNSAID
 from wedmcam.frontends.iso.lengths import MOST_NM, digit_nm, point_nm
@@ -48,6 +48,20 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         return None
     if h_has.any():
         letter, value, has, pointed = "H", h_value, h_has, h_pointed
+    how = r.machine.iso
+    other = has & (how.offset_word not in ("either", letter))
+    r.tell_lines(
+        Severity.ERROR,
+        "iso-d",
+        np.flatnonzero(other),
+        lambda i: (
+            f"{letter} numbers no offset at this controller: the profile '{r.machine.name}' has "
+            f"{how.offset_word}"
+        ),
+        "another profile (--profile-in), or offset_word under [iso] of one of your own",
+    )
+    if other.any():
+        return None
     wrong = has & (pointed | (value < 0))
     r.tell_lines(
         Severity.ERROR,
@@ -68,8 +82,16 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         return None
     table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
     missing = [n for n in used if n not in filed] if tables.given is None else []
+    if letter == "D" and how.offset_word == "either" and 0 in used and table(0) is None:
+        what = "D0 is read as no offset; at some machines it is an entry of the table like others"
+        at = int(np.argmax(offsets))
+        hint = "--d 0=LENGTH says what is entered there"
+        place = r.spans[int(r.words.line[at])]
+        r.found.append((int(r.words.start[at]), warning("iso-offsets", what, place, hint=hint)))
+        table = _none_for_0(table)
+        missing = [n for n in missing if n != 0]
     if missing:
-        given = " ".join(f"--d {max(n, 1)}=0.1mm" for n in missing)
+        given = " ".join(f"--d {abs(n)}={0.1 if n else 0:g}mm" for n in missing)
         called = ", ".join(f"no {letter} at all" if n < 0 else f"{letter}{n}" for n in missing)
         r.tell_words(
             Severity.ERROR,
@@ -79,7 +101,39 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
             f"give what is entered at the controller: {given}",
         )
         return None
-    return Modes(filled(*comp, 40), comp[1], d, table, letter)
+    _tell_diameters(r, tables, filed, np.unique(d[d >= 0]).tolist(), letter)
+    skewed = how.offset_change == "skewed"
+    mm = r.machine.axes.step_um / 1000
+    return Modes(filled(*comp, 40), comp[1], d, table, letter, skewed, mm)
+
+
+def _none_for_0(table: Table) -> Table:
+    """Return a table in which offset 0 is 0 where nothing else is said."""
+
+    def known(number: int) -> float | None:
+        um = table(number)
+        return 0.0 if um is None and number == 0 else um
+
+    return known
+
+
+def _tell_diameters(
+    r: Reading, tables: Tables, filed: dict[int, float], used: list[int], letter: str
+) -> None:
+    """Say what entries that are diameters mean; an offset that a drawing says is none."""
+    if r.machine.iso.offsets != "diameter":
+        return
+    given = None if tables.assumed else tables.given
+    offsets = [(n, (given(n) if given is not None else None) or filed.get(n)) for n in used]
+    mm = r.machine.axes.step_um / 1000
+    said = [
+        f"{letter}{n} = {2 * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm beside "
+        "the outline"
+        for n, um in offsets
+        if um
+    ]
+    if said:
+        r.found.append((0, note("iso-offsets", "; ".join(said), FileSpan(r.file), count=len(said))))
 
 
 def _tell_tables(r: Reading, used: bool) -> None:
@@ -124,7 +178,10 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
         elif nm.setdefault(entry.number, value) != value:
             problem = "the offset is set twice, to different values"
         elif value < 0 or value > MOST_NM:
-            problem = "an offset is from 0 to a kilometre; G41 and G42 tell the side"
+            problem = (
+                "an offset is from 0 to a kilometre; G41 and G42 tell the side (one below 0 would "
+                "be the same offset with the other of the two)"
+            )
         place = r.spans.at(entry.at, entry.end - entry.at)
         if problem is not None:
             text = f"{r.plain.excerpt(entry.at, entry.end)}: {problem}"
@@ -132,7 +189,8 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
             r.found.append((entry.at, error("iso-d", text, place, hint=hint)))
             wrong = True
     r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
-    return None if wrong else {n: float(v / 1000) for n, v in nm.items()}
+    half = 2 if r.machine.iso.offsets == "diameter" else 1
+    return None if wrong else {n: float(v / 1000 / half) for n, v in nm.items()}
 
 
 def _merged(
@@ -149,13 +207,14 @@ def _merged(
             continue
         entry = next(e for e in r.entries if e.number == n)
         place = r.spans.at(entry.at, entry.end - entry.at)
-        what = f"{letter}{n} = {mine * step:.4f} mm, of the table in the file"
+        twice = step * (2 if r.machine.iso.offsets == "diameter" else 1)
+        what = f"{letter}{n} = {mine * twice:.4f} mm, of the table in the file"
         if other is None or abs(other - mine) < 0.05:
             r.found.append((entry.at, note("iso-offsets", what, place)))
             continue
         which = "that of the drawing" if tables.assumed else "--d"
         wins = "the table of the file" if tables.assumed else "--d"
-        what += f"; {which} is {other * step:.4f} mm: {wins} counts"
+        what += f"; {which} is {other * twice:.4f} mm: {wins} counts"
         hint = "see which is entered at the machine"
         r.found.append((entry.at, warning("iso-offsets", what, place, hint=hint)))
     own = {n: um for n, um in filed.items() if tables.assumed or entered.get(n) is None}

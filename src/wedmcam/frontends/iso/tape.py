@@ -1,7 +1,8 @@
 """What of an ISO file is run at all: from the number of the program to its end.
 
 A percent sign opens a tape and the next one ends it; M02 and M30 end the program before. What
-stands behind was never run by any machine, so nothing of it is read. The number of a program
+stands behind was never run by any machine, so nothing of it is read, but where the program calls
+subprograms: they stand there, and are found by ``subprograms``. The number of a program
 (``O1234``, ``:1234``, ``L002``) is its name, and no call.
 
 Sources: Fanuc's operator's manuals (O in EIA code, a colon in ISO code, and the four digits that
@@ -15,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from wedmcam.diag import Severity, warning
-from wedmcam.formats import iso
 from wedmcam.frontends.iso.reading import Reading
+from wedmcam.frontends.iso.subprograms import ends_of
 
 
 def take_end(r: Reading, by_word: bool = True) -> None:
@@ -25,7 +26,7 @@ def take_end(r: Reading, by_word: bool = True) -> None:
     ``by_word``: M02 and M30 end it, as a percent sign does: no subprograms stand behind them.
     """
     w = r.words
-    m = (w.letter == ord("M")) & w.good & ~w.pointed & np.isin(w.whole, iso.ENDS)
+    m = (w.letter == ord("M")) & w.good & ~w.pointed & np.isin(w.whole, ends_of(r.subprograms))
     ends = w.percents[w.percents > w.start[0]][:1] if len(w.start) else w.percents[:0]
     by = "%"
     end = int(ends[0]) if len(ends) else len(r.plain.codes)

@@ -11,7 +11,7 @@ import pytest
 
 from wedmcam.diag import ByteSpan, FileSpan, TextSpan
 from wedmcam.frontends import decoder
-from wedmcam.machines import default
+from wedmcam.machines import builtin, default
 
 BAD = Path(__file__).parents[1] / "bad"
 EXPECTED = re.compile(r"^[;#] (?:(\S+) )?(note|warning|error)\[([a-z0-9-]+)\]$", re.M)
@@ -40,7 +40,8 @@ def test_bad_program(path):
         format_, data = {".3b": "3b", ".nc": "iso"}[path.suffix], text.encode()
     else:
         format_, data = "compact", bytes.fromhex(re.sub("#.*", "", text))
-    _, found = decoder(format_)(data, default(format_), path.name)
+    machine = builtin("iso-um") if format_ == "iso" else default(format_)
+    _, found = decoder(format_)(data, machine, path.name)
     got = {(place(d.span), str(d.severity), d.code) for d in found}
     # The lines that state what is expected are comments, and reported as such.
     assert want <= got

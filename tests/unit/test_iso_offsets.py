@@ -399,6 +399,7 @@ def test_field_offset_header():
     seen = identify(text.encode())
     assert seen.format == "iso"
     assert seen.reason.startswith("ISO G-code with an offset table (H175, H1, H2): 3 lines")
+    assert seen.reason.endswith("profile that knows its words: mitsubishi (L002)")
     assert identify(TABLE.encode()).reason.endswith("by its table: H1")
     _, found = iso(text.replace("L002\n", "").replace("G90", "G90 G20"))
     assert codes(found) == ["text-skipped", "iso-offsets"]

@@ -17,9 +17,11 @@ _HEAD, _TAIL = 200_000, 50_000
 #: Letters of words that differ from maker to maker. F, L and P mean too many things.
 _WORD = re.compile(rb"(?<![A-Z])([CEGMQST]) *(\d{1,5})(?:\.(\d))?(?![\d.])")
 _CALL = re.compile(rb"(?<![A-Z])M *98(?!\d)[^\n;]*?P *0*(\d+)")
+#: The number of a program, in a line of its own in front of all others.
+_NUMBER = re.compile(rb"[\s%]*(L) *(\d{1,5}) *(?=\n|;|$)")
 _ENDED = re.compile(rb";[ \r]*$", re.MULTILINE)
 #: So many features must speak for a profile.
-LEAST = 3
+LEAST = 2
 #: So many words are named.
 NAMED = 4
 
@@ -36,6 +38,8 @@ def style_of(codes: bytes, offset_word: str = "", ended: bool = False) -> str:
 
     >>> style_of(b"T84\nC001\nM98 P0001\nM02\nN0001\nM99\n")
     'profile that knows its words: sodick (C001, M98, M99, T84)'
+    >>> style_of(b"%\nL002\nN5 G90\n", offset_word="H")
+    'profile that knows its words: mitsubishi (L002)'
     >>> style_of(b"G01 X5.0\nM02\n")
     ''
     """
@@ -81,6 +85,8 @@ def _words(codes: bytes) -> list[Word]:
         (letter.decode(), int(number) * PER_CODE + int(tenth or b"0"))
         for letter, number, tenth in _WORD.findall(codes)
     }
+    if number := _NUMBER.match(codes):
+        found.add((number[1].decode(), int(number[2]) * PER_CODE))
     common = {*OWN, *(("G", n) for n in LEADING | IDLE)}
     return sorted(found - common)
 
@@ -99,6 +105,6 @@ def _knows(machine: Machine, word: Word, codes: bytes) -> bool:
 
 def _text(word: Word) -> str:
     letter, tenths = word
-    digits = {"C": 3, "M": 2, "G": 2}.get(letter, 1)
+    digits = {"C": 3, "M": 2, "G": 2, "L": 3}.get(letter, 1)
     whole, tenth = divmod(tenths, PER_CODE)
     return f"{letter}{whole:0{digits}d}" + (f".{tenth}" if tenth else "")

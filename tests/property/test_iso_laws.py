@@ -97,7 +97,7 @@ SPELLINGS = {
 )
 def test_forged_programs_are_refused(old, new):
     """The judge reads what stands there: it is not the part that was drawn."""
-    made = api.compile(SAMPLES / "plate.dxf", to="iso", offset=0.1)
+    made = api.compile(SAMPLES / "plate.dxf", profile="iso-um", offset=0.1)
     text = made.data.decode().replace(" ", "")
     forged = re.sub(old, new, text, count=1)
     assert forged != text

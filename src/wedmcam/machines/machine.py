@@ -26,9 +26,9 @@ class Limits:
             the arc starts; a compact controller refuses a larger radius.
         memory_bytes: bytes of a binary program, end byte included; 0 for no limit.
         blocks: records of a text program, control records included; 0 for no limit.
+        travel_um: how far the table goes, (x, y); None for no limit.
         line_chars: characters of one line of an ISO program, header and footer too, without blanks
             and without text in parentheses or behind a semicolon; 0 for no limit.
-        travel_um: how far the table goes, (x, y); None for no limit.
     """
 
     count_um: int
@@ -36,8 +36,8 @@ class Limits:
     arc_um: int
     memory_bytes: int = 0
     blocks: int = 0
-    line_chars: int = 0
     travel_um: tuple[int, int] | None = None
+    line_chars: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,8 @@ def take_end(r: Reading, by_word: bool = True) -> None:
     """
     w = r.words
     m = (w.letter == ord("M")) & w.good & ~w.pointed & np.isin(w.whole, ends_of(r.subprograms))
-    ends = w.percents[w.percents > w.start[0]][:1] if len(w.start) else w.percents[:0]
+    first = w.start[w.letter != ord("N")][:1]  # a number may stand in front of the opening sign
+    ends = w.percents[w.percents > first[0]][:1] if len(first) else w.percents[:0]
     by = "%"
     end = int(ends[0]) if len(ends) else len(r.plain.codes)
     stop = np.flatnonzero(m)[:1]

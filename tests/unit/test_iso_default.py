@@ -122,7 +122,7 @@ def test_programs_of_before_are_read_with_their_certificate(here):
     assert not [d for d in proof.findings if d.code == "certificate-differs"]
     assert not api.verify(um.data, name="a.nc", against=PUNCH, offset=0.1).ok  # asked
     mm = machines.builtin("iso-mm")
-    old = replace(mm, layout=replace(mm.layout, header=()))
+    old = replace(mm, iso=replace(mm.iso, modes=""))
     made = wedmcam.compile(PUNCH, profile=old, offset=0.1)
     assert made.data.startswith(b"G92 ")
     issued = {k: v for k, v in made.summary.items() if k != "profile_toml"}

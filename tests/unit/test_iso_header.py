@@ -1,5 +1,6 @@
 """Header and footer of an ISO profile: proven with the program, or refused; never silent."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,14 +14,15 @@ PROFILES = ["iso-mm", "linuxcnc", "iso-um"]
 
 
 def profile(name, **lines):
-    """Return a profile with other lines around its programs, and what is wrong with it."""
+    """Return a profile whose modes stand in its header, and what is wrong with it."""
     text = machines.text(name)
-    own = machines.builtin(name).layout
-    kept = [t for t in text.splitlines() if not t.startswith(("header", "footer"))]
+    own = machines.builtin(name)
+    kept = [t for t in text.splitlines() if not t.startswith(("header", "footer", "modes"))]
     if "[layout]" not in kept:
         kept.append("[layout]")
     at = kept.index("[layout]") + 1
-    more = {"header": [*own.header, *lines.get("header", ())], "footer": lines.get("footer", [])}
+    header = [*([own.iso.modes] if own.iso.modes else ()), *own.layout.header]
+    more = {"header": [*header, *lines.get("header", ())], "footer": lines.get("footer", [])}
     kept[at:at] = [f"{key} = {value}".replace("'", '"') for key, value in more.items()]
     return machines.parse("\n".join(kept), "p")
 
@@ -79,6 +81,19 @@ def test_a_mode_that_no_step_of_the_proof_sees_is_said(line, said):
     assert warned == said
     of_um = [d for d in made("iso-um", header=[line]).findings if d.code == "header-mode"]
     assert len(of_um) == ("G64" in said)  # no F there
+
+
+@pytest.mark.parametrize("header", [[], ["%", "(PLATE 7)", "M52"], ["G20 G64"], ["G95", "G90.1"]])
+def test_the_modes_of_a_program_stand_behind_a_header_of_ones_own(header):
+    own = machines.builtin("linuxcnc")
+    machine = replace(own, layout=replace(own.layout, header=tuple(header)))
+    one = wedmcam.compile(PUNCH, profile=machine, offset=0.1, feed=2.0)
+    assert one.ok
+    assert not [d for d in one.findings if d.code == "header-mode"]
+    lines = one.data.decode().splitlines()
+    assert lines[: len(header)] == header
+    assert lines[len(header)] == own.iso.modes
+    assert api.verify(one.data, name="a.nc", against=PUNCH, offset=0.1, profile="linuxcnc").ok
 
 
 def test_a_g92_of_a_header_counts_only_where_the_program_says_its_own():

@@ -195,3 +195,15 @@ def test_the_example_of_the_page_is_read(profile):
     program, found = read(text, profile)
     assert codes(found) == []
     assert len(program.blocks) > 5
+
+
+def test_an_arc_that_linuxcnc_takes_for_none_is_a_line():
+    """Rounding leaves 1.0 um at the end of an arc of 1.4 um: its limit is 1.27 um."""
+    part = (
+        b"units mm contour q { from (0, 0) line to (10, 0) line to (13, 7) line to (4, 9.5) close } "
+        b"cut q outside offset 0.0005 start (-2, 3)"
+    )
+    made = api.compile(part, name="q.wed", profile="linuxcnc", feed=2.0)
+    assert made.ok
+    assert b"G03" not in made.data
+    assert b"G03" in api.compile(part, name="q.wed", profile="grbl", feed=2.0).data

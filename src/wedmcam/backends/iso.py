@@ -64,6 +64,15 @@ def encode(
         lambda i: "more than a full circle; an ISO record states only where it ends",
         "write it as several blocks",
     )
+    least = machine.iso.arc_least_um
+    small = arc & (np.minimum(np.hypot(x, y), np.hypot(x + motion.dx, y + motion.dy)) < least)
+    checks.tell(
+        err,
+        "not-in-format",
+        small & (motion.dx == 0) & (motion.dy == 0),
+        lambda i: f"a full circle whose radius is below {least} um: {machine.name} takes none",
+    )
+    kinds[small] = Kind.LINE
     names = dict(program.words)
     mask = kinds == Kind.WORD
     for i in np.flatnonzero(mask).tolist():
@@ -112,7 +121,7 @@ def _opening(
 
     >>> from wedmcam.machines import builtin
     >>> _opening(builtin("linuxcnc"), (5000, 0), 2000.0)[0]
-    ['G90', 'F2.0', 'G00 X5.000 Y0.000']
+    ['G21 G17 G40 G80 G61 G91.1 G94', 'G90', 'F2.0', 'G00 X5.000 Y0.000']
     """
     how = machine.iso
     per = _per_um(how)
@@ -132,9 +141,11 @@ def _opening(
             goes = f"{least * machine.axes.step_um / 1000:g}"
             what = f"{rows[-1]}: {machine.name} cuts no slower than {goes} mm a minute, and does so"
             found.append(warning("feed-raised", what, hint=f"--feed {goes}mm or more"))
+    modes = [how.between.join(how.modes.split())] if how.modes else []
     if how.start == "move":
-        return [*rows, how.between.join([f"G{0:0{how.code_digits}d}", *words])], found
-    return [how.between.join(["G92", *words]), *rows], found
+        start = how.between.join([f"G{0:0{how.code_digits}d}", *words])
+        return [*modes, *rows, start], found
+    return [*modes, how.between.join(["G92", *words]), *rows], found
 
 
 def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
@@ -147,7 +158,7 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
     found = _long_lines([*layout.header, *rows, *layout.footer], machine)
-    for code, what in around.modes(layout.header, bool(machine.iso.feed_um)):
+    for code, what in around.modes([*layout.header, machine.iso.modes], bool(machine.iso.feed_um)):
         hint = "G61 and G94 behind it, or without it"
         found.append(warning("header-mode", f"{code} in the header: {what}", hint=hint))
     if idle := around.behind_end(layout.footer):

@@ -72,16 +72,21 @@ def builtin(name: str) -> Machine:
 
 @cache
 def knowing(letter: str, tenths: int) -> tuple[str, ...]:
-    """Return the built-in profiles of ISO whose tables name a word, whatever they say of it.
+    """Return the built-in profiles of ISO that know a word, by their tables or as the F they write.
 
     Args:
         letter, tenths: of the word: ("M", 600) for M60, ("G", 911) for G91.1.
 
-    >>> knowing("M", 99_9990)
-    ()
+    >>> knowing("M", 99_9990), knowing("F", 10)
+    ((), ('grbl', 'linuxcnc', 'makino', 'mitsubishi', 'robofil', 'sodick'))
     """
     iso = (m for m in map(builtin, names()) if m.is_of("iso"))
-    return tuple(m.name for m in iso if m.iso.words.class_of(letter, tenths) is not Known.NOT)
+    return tuple(
+        m.name
+        for m in iso
+        if m.iso.words.class_of(letter, tenths) is not Known.NOT
+        or (letter == "F" and m.iso.feed_um)
+    )
 
 
 def of_file(text: str, file: str) -> tuple[Machine | None, list[Diagnostic]]:

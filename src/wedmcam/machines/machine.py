@@ -134,6 +134,10 @@ class Iso:
             program that is read then tells its start, and is no move.
         feed_um: F that is written where no ``--feed`` is given, um a minute; not set: no F at all.
             With it F is a word that is known where a program is read.
+        arc_least_um: the controller refuses arcs of a smaller radius at start or end; they are written
+            as lines. 0 for no such limit.
+        modes: G codes of a line in front of G90 or G91, behind the header: the modes that the rest of
+            a program depends on, whatever a controller was left in.
         feed_least_um: the controller cuts no slower than this, um a minute, whatever F says; 0 for
             no such limit.
         words: see `Vocabulary`.
@@ -160,6 +164,8 @@ class Iso:
     offset_change: str = "refused"
     start: str = "g92"
     feed_um: int = 0
+    arc_least_um: int = 0
+    modes: str = ""
     feed_least_um: int = 0
     words: Vocabulary = field(default_factory=Vocabulary)
 

@@ -151,6 +151,13 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "offset_change": _choice("refused", "skewed", formats=_ISO),
         "start": _choice("g92", "move", formats=_ISO),
         "feed_um": _whole(1, _UM, formats=_ISO),
+        "arc_least_um": _whole(1, 1000, formats=_ISO),
+        "modes": _Key(
+            str,
+            "G codes, such as G21 G17",
+            lambda v: bool(re.fullmatch(r"(G\d{1,3}(\.\d)? ?)*", v)),
+            formats=_ISO,
+        ),
         "feed_least_um": _whole(1, _UM, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
     },

@@ -10,10 +10,10 @@ import pytest
 from wedmcam import api, machines
 from wedmcam.api import positions
 from wedmcam.diag import Severity
+from wedmcam.formats.iso import IDLE, LEADING
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
-from wedmcam.machines.vocabulary import IDLE, LEADING
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 BASE = (

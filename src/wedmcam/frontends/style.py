@@ -9,8 +9,9 @@ from __future__ import annotations
 import re
 
 from wedmcam import machines
+from wedmcam.formats.iso import IDLE, LEADING, PER_CODE
 from wedmcam.machines import Known, Machine
-from wedmcam.machines.vocabulary import IDLE, LEADING, OWN, PER_CODE
+from wedmcam.machines.vocabulary import OWN
 
 #: So much of a text is looked at, from its start and from its end: words of a machine stand there.
 _HEAD, _TAIL = 200_000, 50_000

@@ -2,6 +2,7 @@
 
 import math
 import re
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.frontends.identify import identify
 from wedmcam.frontends.iso.dialect import QUESTIONS
+from wedmcam.frontends.iso.style import style_of
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
 from wedmcam.targets import Entries
@@ -429,3 +431,24 @@ def test_identify_names_no_profile_where_words_do_not_tell(text):
     seen = identify(text)
     assert seen.format == "iso"
     assert "profile" not in seen.reason
+
+
+def test_identify_is_quick_with_many_different_words():
+    lines = "".join(f"S{n} G01 X{n}.0\n" for n in range(20_000))
+    calls = "".join(f"M98 P{n}\n" for n in range(4_000)) + "M98 " * 20_000
+    for text, said in ((lines, "robofil (S0, S1, S2, S3 and 996 more)"), (calls, "")):
+        start = time.perf_counter()
+        assert style_of(text.encode()).endswith(said)
+        assert time.perf_counter() - start < 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b"M98 P1\nM02\nN0001\nM99\nT84\n", "sodick (M98, M99, T84)"),
+        (b"M98 P1 (NO LABEL)\nM02\nX1 N0001\nM99\nT84\nC1\n", "sodick (C1, M99, T84)"),
+        (b"M98 P0100;\nM30;\nO100;\nM99;\n", "fanuc (M98, M99)"),
+    ],
+)
+def test_words_are_shown_as_the_file_has_them(text, said):
+    assert style_of(text, ended=b";" in text) == f"profile that knows its words: {said}"

@@ -154,7 +154,7 @@ class Options:
         arithmetic: "decimal8", in which the ZD-065 computes, or "float64": in what formulas run.
         feed_um: cutting speed, um a minute: F of a program whose profile writes one, and the time.
         units_in: of an ISO program that is verified: what a number with a point is where no G20 or
-            G21 stands, "mm", "um" or "inch"; None where nobody says it.
+            G21 stands, "mm", "um" or "inch"; None where it is not given.
         whole_in: what 1 is in a number without a point: "um", "mm", "inch", or a length ("10um").
         coordinates_in: "absolute" or "incremental", before the first G90 or G91.
         centres_in: "start" (I and J lead from the start to the centre), "absolute" (they are its

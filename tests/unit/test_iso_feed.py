@@ -9,7 +9,6 @@ from click.testing import CliRunner
 
 import wedmcam
 from wedmcam import conversion
-from wedmcam.backends import iso
 from wedmcam.cli.main import cli
 from wedmcam.machines import builtin
 
@@ -163,4 +162,6 @@ def test_the_lines_of_a_program_are_counted_too():
              if d.code == "over-line"]  # fmt: skip
     assert len(found) == 1
     assert found[0].count > 1
-    assert iso._long_lines(["G01 X1"], builtin("iso-mm")) == []
+    free = replace(wide, limits=replace(wide.limits, line_chars=0))
+    made = wedmcam.compile(PLATE, profile=free, offset=0.1, feed=2.0)
+    assert "over-line" not in [d.code for d in made.findings]

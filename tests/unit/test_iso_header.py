@@ -10,7 +10,7 @@ from wedmcam import api, machines
 from wedmcam.diag import Severity
 
 PUNCH = str(Path(__file__).parents[2] / "samples" / "key-punch.dxf")
-PROFILES = ["iso-mm", "linuxcnc", "iso-um"]
+PROFILES = ["iso-mm", "linuxcnc", "iso-um", "sodick"]
 
 
 def profile(name, **lines):
@@ -149,3 +149,35 @@ def test_parentheses_are_closed_and_percent_stands_outside(lines, good):
     assert (machine is not None) is good
     assert not good or wedmcam.compile(PUNCH, profile=machine, offset=0.1).ok
     assert good or found[0].code == "profile-value"
+
+
+@pytest.mark.parametrize(
+    "line", ["M02;G00 X5.0 Y5.0;", "; G00 X5.0", "M02 ; M98 P1", "(END); g91", "M30;(A;B)X5"]
+)
+def test_a_semicolon_that_ends_a_block_hides_no_motion_behind_the_end(line):
+    machine, found = profile("sodick", footer=[line])
+    assert machine is None
+    assert [d.code for d in found] == ["profile-value"]
+    assert "behind M02" in found[0].message
+    assert profile("linuxcnc", footer=[line.replace("(A;B)X5", "X5")])[1] == []
+
+
+def test_a_semicolon_that_ends_a_block_is_followed_by_words():
+    def said(name, code, **lines):
+        return [d for d in made(name, **lines).findings if d.code == code]
+
+    for name, many in (("sodick", 1), ("iso-mm", 0)):
+        assert len(said(name, "header-mode", header=["G40;G64"])) == many
+        assert len(said(name, "after-end", footer=["M30;T85;"])) == many
+    assert profile("sodick", footer=["M02;", "%;"])[1] == []
+    assert profile("sodick", header=["G40; (A"])[0] is None
+
+
+def test_the_words_behind_a_semicolon_that_ends_a_block_count_for_a_line():
+    words = ";".join(f"M{n}" for n in range(31, 55))
+    for name, many in (("sodick", 1), ("iso-mm", 0)):
+        machine, found = profile(name, footer=[f"M30;{words}"])
+        assert found == []
+        tight = replace(machine, limits=replace(machine.limits, line_chars=60))
+        one = wedmcam.compile(PUNCH, profile=tight, offset=0.1)
+        assert len([d for d in one.findings if d.code == "over-line"]) == many

@@ -200,8 +200,8 @@ def test_the_example_of_the_page_is_read(profile):
 def test_an_arc_that_linuxcnc_takes_for_none_is_a_line():
     """Rounding leaves 1.0 um at the end of an arc of 1.4 um: its limit is 1.27 um."""
     part = (
-        b"units mm contour q { from (0, 0) line to (10, 0) line to (13, 7) line to (4, 9.5) close } "
-        b"cut q outside offset 0.0005 start (-2, 3)"
+        b"units mm contour q { from (0, 0) line to (10, 0) line to (13, 7) line to (4, 9.5) "
+        b"close } cut q outside offset 0.0005 start (-2, 3)"
     )
     made = api.compile(part, name="q.wed", profile="linuxcnc", feed=2.0)
     assert made.ok

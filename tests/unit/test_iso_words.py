@@ -10,10 +10,10 @@ import pytest
 from wedmcam import api, machines
 from wedmcam.api import positions
 from wedmcam.diag import Severity
+from wedmcam.formats.iso import IDLE, LEADING
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
-from wedmcam.machines.vocabulary import IDLE, LEADING
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 BASE = (
@@ -146,17 +146,26 @@ def test_only_a_profile_that_was_named_says_it():
     assert [d.code for d in read(FRAME.format("M20"))[1]] == ["unknown-word"]
 
 
-def test_hints_name_the_profiles_that_know_a_word(monkeypatch):
+@pytest.mark.parametrize(
+    ("line", "names"),
+    [
+        ("M20 M21", "mitsubishi (M20, M21); makino (M20)"),
+        ("M60", "linuxcnc (M60); makino (M60); robofil (M60)"),
+        ("M50", "linuxcnc (M50); robofil (M50)"),
+        ("G29", "sodick (G29)"),
+        ("T84", "sodick (T84)"),
+    ],
+)
+def test_hints_name_the_profiles_that_know_a_word(line, names):
+    _, found = read(FRAME.format(line))
+    hint = f"profiles that know the word: {names}; --profile-in NAME takes it as that machine does"
+    assert found[0].hint == hint
+
+
+def test_a_word_that_no_profile_knows_has_a_hint_of_its_own(monkeypatch):
     from wedmcam.frontends.iso import known
 
-    knows = {("M", 200): ("makino", "sodick"), ("M", 600): ("makino",), ("G", 280): ("sodick",)}
-    monkeypatch.setattr(known, "knowing", lambda letter, n: knows.get((letter, n), ()))
-    for line, names in (("M20 M21", "makino (M20); sodick (M20)"), ("M60", "makino (M60)")):
-        _, found = read(FRAME.format(line))
-        assert names in found[0].hint
-        assert "--profile-in" in found[0].hint
-    _, found = read(FRAME.format("G28"))
-    assert "sodick (G28)" in found[0].hint
+    monkeypatch.setattr(known, "knowing", lambda letter, n: ())
     _, found = read(FRAME.format("M71"))
     assert "no profile knows" in found[0].hint
 

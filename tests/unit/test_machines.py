@@ -231,3 +231,32 @@ def test_wrong_tables_of_words():
     assert codes(ISO + "[iso.words]\nharmless = 3\n") == ["profile-value"]
     assert codes(ISO + '[iso.words.harmles]\nM20 = "a"\n') == ["profile-key"]
     assert codes(GOOD + '[iso.words.harmless]\nM20 = "a"\n') == ["profile-key"]
+
+
+@pytest.mark.parametrize("key", ["M98-M99", "M098", "M99", "M97-M99"])
+def test_a_word_that_calls_takes_a_style_of_subprograms(key):
+    text = ISO + f'[iso.words.path]\n{key} = "calls"\n'
+    assert codes(text) == ["profile-value"]
+    styled = text.replace("[iso]\n", '[iso]\nsubprograms = "O-number"\n', 1)
+    assert styled != text
+    assert codes(styled) == []
+
+
+@pytest.mark.parametrize(
+    ("header", "writes", "good"),
+    [
+        ([], True, False),
+        (["G40"], True, False),
+        (["G21", "G20"], True, False),
+        (["(G21)"], True, False),
+        (["; G21"], True, False),
+        (["G40 G21"], True, True),
+        (["g 071"], True, True),
+        ([], False, True),
+    ],
+)
+def test_points_in_inches_are_not_written_in_mm(header, writes, good):
+    text = ISO + 'unit = "mm"\npoints = "inch"\n'
+    text = text.replace("[limits]", f"writes = {str(writes).lower()}\n[limits]")
+    text += f"[layout]\nheader = {header}\n".replace("'", '"')
+    assert codes(text) == ([] if good else ["profile-value"])

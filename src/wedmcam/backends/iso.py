@@ -22,8 +22,6 @@ from wedmcam.machines import Iso, Machine, around
 
 #: How F is said.
 _FEED = "--feed, a length a minute; or feed_um in a profile of your own"
-#: What a controller does not count of a line: blanks, and text.
-_NOT_COUNTED = re.compile(r"\([^)]*\)?|;.*|\s+")
 
 
 def encode(
@@ -150,18 +148,19 @@ def _opening(
 
 def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
     """Return the file of some lines, and a warning where one is too long."""
-    layout = machine.layout
+    layout, how = machine.layout, machine.iso
     if layout.number_width:
-        sep = machine.iso.between
+        sep = how.between
         rows = [f"N{n:0{layout.number_width}d}{sep}{row}" for n, row in enumerate(rows, 1)]
     text = "".join(row + layout.eol for row in rows)
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
     found = _long_lines([*layout.header, *rows, *layout.footer], machine)
-    for code, what in around.modes([*layout.header, machine.iso.modes], bool(machine.iso.feed_um)):
+    header = [*layout.header, how.modes]
+    for code, what in around.modes(header, bool(how.feed_um), how.semicolon):
         hint = "G61 and G94 behind it, or without it"
         found.append(warning("header-mode", f"{code} in the header: {what}", hint=hint))
-    if idle := around.behind_end(layout.footer):
+    if idle := around.behind_end(layout.footer, how.semicolon):
         what = f"{', '.join(dict.fromkeys(idle))} of the footer: behind the end (M02), not run"
         hint = "leave it out of 'footer', or put it into 'header'"
         found.append(replace(warning("after-end", what, hint=hint), count=len(idle)))
@@ -173,8 +172,11 @@ def _long_lines(lines: list[str], machine: Machine) -> list[Diagnostic]:
     most = machine.limits.line_chars
     if not most:
         return []
-    counted = {n: len(_NOT_COUNTED.sub("", t)) for n, t in enumerate(lines, 1) if len(t) > most}
-    over = {n: size for n, size in counted.items() if size > most}
+    over = {
+        n: size
+        for n, line in enumerate(lines, 1)
+        if len(line) > most and (size := len(around.code_of(line, machine.iso.semicolon))) > most
+    }
     if not over:
         return []
     first = min(over)

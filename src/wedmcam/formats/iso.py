@@ -14,16 +14,25 @@ circle than `END_UM` is an error: there is no telling what a controller would cu
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 #: How far a stated end may lie from the circle of its arc, um [R]. Start, end and centre rounded
 #: to a micron make 2.3 at most; controllers refuse from 2 to 5 on.
 END_UM = 5.0
 
-#: G codes that change a mode or a motion.
-MOTION = (0, 1, 2, 3)
+#: Codes with a digit behind the point are counted in tenths: G91.1 is 911.
+PER_CODE = 10
 #: G04, a wait, and modes in which a wire machine that is not told otherwise already is: nothing of
 #: the path changes.
 NOTHING_NEW = (4, 17, 61, 64, 80, 94, 95)
+#: The like of them with a point, in tenths: G17.1 and G61.1 (``frontends.iso.codes``).
+NOTHING_NEW_TENTHS = (171, 611)
+#: G codes that the reader runs, in tenths: they lead somewhere, or say where that is.
+LEADING = frozenset(
+    PER_CODE * n for n in (*range(4), 20, 21, 40, 41, 42, *range(53, 60), 70, 71, 90, 91, 92)
+) | {901, 911}
+#: G codes that the reader knows to change no path, in tenths.
+IDLE = frozenset({*(PER_CODE * n for n in NOTHING_NEW), *NOTHING_NEW_TENTHS})
 PAUSES = (0, 1)
 ENDS = (2, 30)
 #: Ends a main program of Sodick, as M02 does [github.com/Meconer/SodickDXFCoder writes either].
@@ -32,7 +41,8 @@ END_OF_LABELS = 199
 #: outer or a later one. M98 and M99 are run (``frontends.iso.subprograms``), others are refused.
 SUBPROGRAMS = (97, 98, 99, 198, 199)
 #: M codes after which the same words may be another path: M60 turns the part at Makino, M70 to M73
-#: save and restore modes at LinuxCNC, the others of M7x are the builder's [R]. No profile knows.
+#: save and restore modes at LinuxCNC, the others of M7x are the builder's [R]. A profile that names
+#: one says what it does there.
 TURNS = (60, *range(70, 80))
 
 #: nanometres of one unit with a point.
@@ -49,3 +59,26 @@ def is_word(text: str) -> bool:
     match = re.fullmatch(r"M(\d{1,4})", text)
     other = PAUSES + ENDS + SUBPROGRAMS + TURNS
     return bool(match) and int(match[1]) not in other if match else False
+
+
+def in_words(tenths: Iterable[int]) -> str:
+    """Return some G codes, counted in tenths, as text; three and more in a row become a range.
+
+    >>> in_words([0, 10, 20, 170, 171, 200, 210])
+    'G00 to G02, G17, G17.1, G20, G21'
+    """
+    rows: list[list[int]] = []
+    for code in sorted(tenths):
+        if rows and code == rows[-1][-1] + PER_CODE and code % PER_CODE == 0:
+            rows[-1].append(code)
+        else:
+            rows.append([code])
+    said = []
+    for row in rows:
+        named = [f"G{n // PER_CODE:02d}" + (f".{n % PER_CODE}" * (n % PER_CODE > 0)) for n in row]
+        said += [f"{named[0]} to {named[-1]}"] if len(row) > 2 else named
+    return ", ".join(said)
+
+
+#: The G codes that the reader knows where no profile is named, for people.
+KNOWN = in_words(LEADING | IDLE)

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from wedmcam.formats import b4, compact, gap, rotation
 from wedmcam.frontends.compact import addresses
 from wedmcam.frontends.iso.offsets import tables_of
-from wedmcam.frontends.iso.words import with_numbers
+from wedmcam.frontends.iso.style import lines_end, style_of
+from wedmcam.frontends.iso.words import COMMENT, with_numbers
 from wedmcam.frontends.plain import plain
 from wedmcam.frontends.records import find_records
-from wedmcam.frontends.style import lines_end, style_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ def identify(data: bytes) -> Identification:
         return Identification(
             "3b", count, int(records.end[-1]) - 1, None, True, f"3B text: {count} {words}"
         )
-    if (seen := _iso(data)) is not None:
+    if (seen := _iso(data, codes)) is not None:
         return seen
     return _binary(data)
 
@@ -109,26 +109,29 @@ def identify(data: bytes) -> Identification:
 #: A line of ISO words: letters and numbers, an optional slash first, nothing else.
 _ISO_LINE = re.compile(rb"/?(?:[A-Z] *[-+]?(?:\d[\d ]*\.?[\d ]*|\.\d[\d ]*))+|%+")
 _ISO_MOTION = re.compile(rb"G *0?[0-3](?!\d)|[XYIJ] *[-+]?[\d.]")
-_ISO_COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
 
 
-def _iso(data: bytes) -> Identification | None:
+def _iso(data: bytes, codes: bytes) -> Identification | None:
     """Return what a text of ISO words is, or None: nine lines in ten must be such words.
+
+    Args:
+        data: the file. codes: its text, see ``frontends.plain``.
 
     A line of text in front of the first code is a title, and counts for none.
     """
     if data.count(b"\0") > len(data) // 8 and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return None
-    codes, entries, _ = tables_of(with_numbers(plain(data).codes))
+    codes, entries, _ = tables_of(with_numbers(codes))
     ended = lines_end(codes)
-    codes = _ISO_COMMENT.sub(lambda m: b" " * len(m[0]), codes)
-    at, motions, lines, last, bad = 0, 0, 0, -1, None
+    codes = COMMENT.sub(lambda m: b" " * len(m[0]), codes)
+    at, motions, lines, last, bad, wrong = 0, 0, 0, -1, None, 0
     coded, titles = False, 0
     for line in codes.split(b"\n"):
         if part := line.strip():
             lines += 1
             if not _ISO_LINE.fullmatch(part):
                 bad = at if bad is None else bad
+                wrong += 1
                 titles += not coded
                 if lines > 20 and motions * 2 < lines:
                     return None
@@ -137,15 +140,6 @@ def _iso(data: bytes) -> Identification | None:
                 coded = coded or bool(re.search(rb"G *\d", part))
                 last = at + len(line.rstrip()) - 1
         at += len(line) + 1
-    wrong = (
-        sum(
-            1
-            for line in codes.split(b"\n")
-            if line.strip() and not _ISO_LINE.fullmatch(line.strip())
-        )
-        if bad is not None
-        else 0
-    )
     title = titles == 1 and lines > 3
     if not coded or not motions or (wrong - title) * 10 > lines:
         return None

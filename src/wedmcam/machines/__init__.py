@@ -7,6 +7,7 @@ stepped by. The built-in profiles lie beside this module.
 from __future__ import annotations
 
 import difflib
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
@@ -28,7 +29,7 @@ DEFAULTS: dict[str, str] = {
 }
 #: The profile it is read with, where that is another: an ISO program that is only shown is assumed
 #: to be in G91 and whole um where it says neither.
-READING: dict[str, str] = {"iso": "iso-um"}
+READ_AS: dict[str, str] = {"iso": "iso-um"}
 #: What a default was one release ago: whoever names none is told.
 BEFORE: dict[str, str] = {"iso": "iso-um"}
 
@@ -70,22 +71,30 @@ def builtin(name: str) -> Machine:
     return machine
 
 
+def iso_profiles(where: Callable[[Machine], bool]) -> tuple[str, ...]:
+    """Return the names of the built-in profiles of ISO for which ``where`` holds, sorted.
+
+    >>> iso_profiles(lambda machine: machine.iso.offset_change == "skewed")
+    ('fanuc',)
+    """
+    return tuple(n for n in names() if (m := builtin(n)).is_of("iso") and where(m))
+
+
 @cache
 def knowing(letter: str, tenths: int) -> tuple[str, ...]:
-    """Return the built-in profiles of ISO that know a word, by their tables or as the F they write.
+    """Return the built-in ISO profiles that know a word, by their tables or as the F they write.
 
     Args:
         letter, tenths: of the word: ("M", 600) for M60, ("G", 911) for G91.1.
 
     >>> knowing("M", 99_9990), knowing("F", 10)
-    ((), ('grbl', 'linuxcnc', 'makino', 'mitsubishi', 'robofil', 'sodick'))
+    ((), ('grbl', 'linuxcnc', 'mitsubishi', 'sodick'))
     """
-    iso = (m for m in map(builtin, names()) if m.is_of("iso"))
-    return tuple(
-        m.name
-        for m in iso
-        if m.iso.words.class_of(letter, tenths) is not Known.NOT
-        or (letter == "F" and m.iso.feed_um)
+    return iso_profiles(
+        lambda m: (
+            m.iso.words.class_of(letter, tenths) is not Known.NOT
+            or (letter == "F" and m.iso.feed_um > 0)
+        )
     )
 
 
@@ -118,11 +127,11 @@ def reading(format_: str) -> Machine:
     >>> default("iso").name, reading("iso").name, reading("3b").name
     ('iso-mm', 'iso-um', 'b3-compact')
     """
-    return builtin(READING.get(format_) or DEFAULTS[format_])
+    return builtin(READ_AS.get(format_) or DEFAULTS[format_])
 
 
 def unnamed(machine: Machine) -> list[Diagnostic]:
-    """Return what is said where a program is written with the default of its format, unnamed."""
+    """Return a note where the default that a program is written with has changed."""
     before = BEFORE.get(machine.format)
     if before is None:
         return []
@@ -144,7 +153,7 @@ def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
 __all__ = [
     "BEFORE",
     "DEFAULTS",
-    "READING",
+    "READ_AS",
     "Axes",
     "Iso",
     "Known",
@@ -156,6 +165,7 @@ __all__ = [
     "builtin",
     "default",
     "find",
+    "iso_profiles",
     "knowing",
     "names",
     "of_file",

@@ -15,7 +15,7 @@ from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.diag.toml import read_toml
 from wedmcam.machines import around
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
-from wedmcam.machines.vocabulary import CLASSES, Vocabulary, wrong_words
+from wedmcam.machines.vocabulary import CLASSES, Vocabulary, calls_in, wrong_words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
 _BINARY = FORMATS[1:4]
@@ -243,9 +243,18 @@ def _check(
     return good, found
 
 
-def _of_iso(iso: dict[str, Any], text: str, name: str) -> list[Diagnostic]:
-    """Return what contradicts itself under ``[iso]``."""
+def _of_iso(
+    iso: dict[str, Any], header: list[str], writes: bool, text: str, name: str
+) -> list[Diagnostic]:
+    """Return what contradicts itself under ``[iso]``; header and writes are of the same profile."""
     found = []
+    metric = around.metric([*header, iso.get("modes", "")], iso.get("semicolon", ""))
+    if iso.get("points") == "inch" and iso.get("unit") == "mm" and writes and not metric:
+        what = (
+            '\'iso.points\' = "inch" goes with unit = "mm" where header or modes have G21 or G71, or '
+            "with writes = false: its own programs would be read in inches"
+        )
+        found.append(error("profile-value", what, _place(text, name, "iso", "points")))
     if iso.get("start") == "move" and iso.get("coordinates") != "absolute":
         what = '\'iso.start\' = "move" goes to a place: it takes coordinates = "absolute"'
         found.append(error("profile-value", what, _place(text, name, "iso", "start")))
@@ -287,7 +296,7 @@ def _words_of(
     if found:
         return Vocabulary(), found
     made = {class_: tuple(table.items()) for class_, table in tables.items()}
-    calls = [k for k in tables.get("path", {}) if k in ("M97", "M98", "M99", "M198", "M199")]
+    calls = [key for key in tables.get("path", {}) if calls_in(key)]
     if calls and data["iso"].get("subprograms", "none") == "none":
         place = _place(text, name, "iso.words.path", calls[0])
         what = f"'iso.words.path' {calls[0]}: it takes 'iso.subprograms'"
@@ -342,9 +351,9 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
         what = "'axes.step_um' goes with compensation in the program: outlines are written in um"
         found.append(error("profile-value", what, place))
     if known_format in _ISO:
-        found += _of_iso(tables["iso"], text, name)
-        lines = (tables["layout"].get(key, []) for key in ("header", "footer"))
-        for key, why in around.faults(*lines):
+        header, footer = (tables["layout"].get(key, []) for key in ("header", "footer"))
+        found += _of_iso(tables["iso"], header, top.get("writes", True), text, name)
+        for key, why in around.faults(header, footer, tables["iso"].get("semicolon", "")):
             what = f"'layout.{key}': {why}"
             found.append(error("profile-value", what, _place(text, name, "layout", key)))
         if tables["iso"].get("coordinates") == "open" and top.get("writes", True):

@@ -10,11 +10,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wedmcam.formats import iso
+from wedmcam.formats.iso import IDLE, LEADING, PER_CODE
 
 Ints = NDArray[np.int64]
 
@@ -30,31 +33,25 @@ class Known(IntEnum):
 
 #: Classes as a profile names them.
 CLASSES = {"harmless": Known.HARMLESS, "refused": Known.REFUSED, "path": Known.PATH}
-#: Numbers are counted in tenths (G91.1 is 911): no code has more digits behind its point.
-PER_CODE = 10
 #: A number that no code has: negative, or with more digits behind its point.
 NO_CODE = -1
-_MOST = 10**13
+#: Letter and number of a word are one key, ``ord(letter) * PER_LETTER + tenths``: no number of a
+#: word is larger.
+PER_LETTER = 10**13
 _KEY = re.compile(r"([A-Z])(?:(\d{1,6})(?:\.(\d)|-\1?(\d{1,6}))?)?")
 TAKES = 'a word ("M20", "G91.1"), a range ("C000-C999") or a letter ("T")'
 
 #: Words that every controller knows: pauses and ends.
-OWN = tuple(("M", n * PER_CODE) for n in (0, 1, 2, 30))
-#: G codes that the reader runs, in tenths: they lead somewhere, or say where that is.
-LEADING = frozenset(
-    PER_CODE * n for n in (*range(4), 20, 21, 40, 41, 42, *range(53, 60), 70, 71, 90, 91, 92)
-) | {901, 911}
-#: G codes of which the reader knows that they change no path: a wait, and modes.
-IDLE = frozenset(PER_CODE * n for n in (4, 17, 61, 64, 80, 94, 95)) | {171, 611}
-#: M codes of subprograms.
-CALLS = frozenset(PER_CODE * n for n in (97, 98, 99, 198, 199))
+OWN = tuple(("M", n * PER_CODE) for n in iso.PAUSES + iso.ENDS)
+#: M codes of subprograms, in tenths.
+CALLS = frozenset(PER_CODE * n for n in iso.SUBPROGRAMS)
 #: Letters of words that the reader runs, whatever their number.
 LETTERS = frozenset("XYIJRNDHFLOP")
 #: Letters whose words are never harmless: places, radii, and the upper guide of a taper.
 _PLACES = frozenset("XYIJRUV")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots: what follows from the words is computed once
 class Vocabulary:
     """What the words of a dialect do, by class. A profile with a word here is a white list.
 
@@ -94,21 +91,21 @@ class Vocabulary:
         >>> [words.texts[k] for k in words.entries_of(letters, np.array([5, 800, 840, 845, 0]))]
         ['tank', 'pump', '?', '', '']
         """
-        starts, entry, ranged, letter_entry = _segments(self)
-        at = letters.astype(np.int64) * _MOST
+        starts, entry, ranged, letter_entry = self._segments
+        at = letters.astype(np.int64) * PER_LETTER
         found = entry[np.searchsorted(starts, at + tenths, "right") - 1]
         dotted = ranged[found] & (tenths % PER_CODE != 0)
         if dotted.any():  # a range is of whole numbers
             found = np.where(dotted, letter_entry[letters], found)
         return found
 
-    @property
+    @cached_property
     def classes(self) -> NDArray[np.int8]:
         """Class of each entry (`Known`), the first for no entry."""
         sizes = [1, len(self.harmless), len(self.refused), len(self.path)]
         return np.repeat(np.array(list(Known), np.int8), sizes)
 
-    @property
+    @cached_property
     def texts(self) -> tuple[str, ...]:
         """What each entry says that its word does, the first for no entry."""
         return ("", *(text for _, text in (*self.harmless, *self.refused, *self.path)))
@@ -122,6 +119,30 @@ class Vocabulary:
         one = self.entries_of(np.array([ord(letter)], np.uint8), np.array([tenths]))
         return Known(int(self.classes[one[0]]))
 
+    @cached_property
+    def _segments(self) -> tuple[Ints, Ints, NDArray[np.bool_], Ints]:
+        """Return where the entry that counts changes, and which it is from there.
+
+        And of each entry whether it is a range, and the entry of each letter alone.
+        """
+        keys = [key for key, _ in (*self.harmless, *self.refused, *self.path)]
+        spans = []
+        letters = np.zeros(128, np.int64)
+        ranged = np.zeros(len(keys) + 1, bool)
+        for number, key in enumerate(keys, 1):
+            letter, first, last = span_of(key) or ("?", 0, 0)
+            base = ord(letter) * PER_LETTER
+            spans.append((last - first, base + first, base + last, number))
+            ranged[number] = "-" in key
+            if len(key) == 1:
+                letters[ord(letter)] = number
+        edges = sorted({-1, *(a for _, a, _, _ in spans), *(b + 1 for _, _, b, _ in spans)})
+        entry = np.zeros(len(edges), np.int64)
+        starts = np.array(edges, np.int64)
+        for _, first, last, number in sorted(spans, reverse=True):  # the widest first
+            entry[(starts >= first) & (starts <= last)] = number
+        return starts, entry, ranged, letters
+
 
 def span_of(key: str) -> tuple[str, int, int] | None:
     """Return the letter of a key and its first and last number in tenths; None where it is no key.
@@ -133,36 +154,21 @@ def span_of(key: str) -> tuple[str, int, int] | None:
     if m is None:
         return None
     if m[2] is None:
-        return m[1], NO_CODE, _MOST - 1
+        return m[1], NO_CODE, PER_LETTER - 1
     first = int(m[2]) * PER_CODE
     if m[3]:
         first += int(m[3])
     return m[1], first, int(m[4]) * PER_CODE if m[4] else first
 
 
-@cache
-def _segments(words: Vocabulary) -> tuple[Ints, Ints, NDArray[np.bool_], Ints]:
-    """Return where the entry that counts changes, which it is from there, and of each if a range.
+def calls_in(key: str) -> bool:
+    """Return whether a key names a word that calls or ends a subprogram.
 
-    And the entry of each letter alone.
+    >>> calls_in("M098"), calls_in("M97-M99"), calls_in("M80")
+    (True, True, False)
     """
-    keys = [key for key, _ in (*words.harmless, *words.refused, *words.path)]
-    spans = []
-    letters = np.zeros(128, np.int64)
-    ranged = np.zeros(len(keys) + 1, bool)
-    for number, key in enumerate(keys, 1):
-        letter, first, last = span_of(key) or ("?", 0, 0)
-        base = ord(letter) * _MOST
-        spans.append((last - first, base + first, base + last, number))
-        ranged[number] = "-" in key
-        if len(key) == 1:
-            letters[ord(letter)] = number
-    edges = sorted({-1, *(a for _, a, _, _ in spans), *(b + 1 for _, _, b, _ in spans)})
-    entry = np.zeros(len(edges), np.int64)
-    starts = np.array(edges, np.int64)
-    for _, first, last, number in sorted(spans, reverse=True):  # the widest first
-        entry[(starts >= first) & (starts <= last)] = number
-    return starts, entry, ranged, letters
+    span = span_of(key)
+    return bool(span and span[0] == "M" and any(span[1] <= n <= span[2] for n in CALLS))
 
 
 def wrong_words(tables: dict[str, dict[str, Any]]) -> list[tuple[str, str, str]]:

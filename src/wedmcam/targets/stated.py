@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Axis, Program
-from wedmcam.machines import Machine
+from wedmcam.machines import Machine, iso_profiles
 from wedmcam.options import Options, WrongUse
 from wedmcam.targets.entries import Entries
 
@@ -28,11 +28,6 @@ if TYPE_CHECKING:
 
 #: Formats with control words of one kind, a shop's own among them; an M word of ISO is none.
 KIN_3B = frozenset({"3b", "4b"})
-#: What to do with a profile that writes nothing.
-_OTHER = (
-    "write with a profile that writes (iso-mm, sodick, makino, linuxcnc), or with one of your own "
-    "made for the machine; --profile-in reads its programs"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +87,12 @@ class Stated:
         if self.machine.writes:
             return None
         what = f"profile {self.machine.name} reads programs only: it does not state enough to write"
-        return error("reads-only", what, hint=_OTHER)
+        names = ", ".join(iso_profiles(lambda m: m.writes))
+        hint = (
+            f"write with a profile that writes ({names}), or with one of your own made for the "
+            "machine; --profile-in reads its programs"
+        )
+        return error("reads-only", what, hint=hint)
 
     @property
     def refuses_carried(self) -> Diagnostic | None:

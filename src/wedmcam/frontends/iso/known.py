@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
+from wedmcam.formats.iso import IDLE, PER_CODE
 from wedmcam.frontends.iso.reading import NAMED, Reading
 from wedmcam.frontends.iso.words import Words
 from wedmcam.machines import Known, Vocabulary, knowing
-from wedmcam.machines.vocabulary import IDLE, NO_CODE, PER_CODE
+from wedmcam.machines.vocabulary import NO_CODE
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note
 from wedmcam.formats import b3, iso
+from wedmcam.formats.iso import PER_CODE
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs
 from wedmcam.frontends.iso.centres import (
@@ -50,7 +51,6 @@ from wedmcam.frontends.plain import TextSpans
 from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.machines import Known, Machine
-from wedmcam.machines.vocabulary import PER_CODE
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-_COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
+#: Text: in parentheses, and behind a semicolon that ends no block.
+COMMENT = re.compile(rb"\([^)\n]*\)?|;[^\n]*")
 _BRACKETS = re.compile(rb"\([^)\n]*\)?")
 _COLON = re.compile(rb"^([ %/]*):(?= *\d)", re.MULTILINE)
 #: Letters of coordinates.
@@ -121,7 +122,7 @@ def words_of(codes: bytes, semicolon_ends: bool = False) -> Words:
     """
     comments: list[tuple[int, int]] = []
     if b"(" in codes or b";" in codes:
-        comment = _BRACKETS if semicolon_ends else _COMMENT
+        comment = _BRACKETS if semicolon_ends else COMMENT
         comments = [m.span() for m in comment.finditer(codes)]
         codes = comment.sub(lambda m: b" " * len(m[0]), codes)
         if semicolon_ends:

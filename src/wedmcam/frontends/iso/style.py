@@ -8,24 +8,34 @@ from __future__ import annotations
 
 import re
 
-from wedmcam import machines
-from wedmcam.machines import Known, Machine
-from wedmcam.machines.vocabulary import IDLE, LEADING, OWN, PER_CODE
+import numpy as np
+
+from wedmcam.formats.iso import IDLE, LEADING, PER_CODE
+from wedmcam.machines import Known, Machine, builtin, iso_profiles
+from wedmcam.machines.vocabulary import OWN
 
 #: So much of a text is looked at, from its start and from its end: words of a machine stand there.
 _HEAD, _TAIL = 200_000, 50_000
 #: Letters of words that differ from maker to maker. F, L and P mean too many things.
 _WORD = re.compile(rb"(?<![A-Z])([CEGMQST]) *(\d{1,5})(?:\.(\d))?(?![\d.])")
-_CALL = re.compile(rb"(?<![A-Z])M *98(?!\d)[^\n;]*?P *0*(\d+)")
+_CALL = re.compile(rb"(?<![A-Z])M *98(?!\d)[^\n;PM]*P *(\d{1,9})")
+#: Labels of subprograms: what opens a line, N or O.
+_LABEL = re.compile(rb"(?:^|;)[ /%]*([NO]) *(\d{1,9})", re.MULTILINE)
 #: The number of a program, in a line of its own in front of all others.
 _NUMBER = re.compile(rb"[\s%]*(L) *(\d{1,5}) *(?=\n|;|$)")
 _ENDED = re.compile(rb";[ \r]*$", re.MULTILINE)
+#: Style of subprograms -> letter of their labels.
+_LETTERS = {"N-label": b"N", "O-number": b"O"}
 #: So many features must speak for a profile.
 LEAST = 2
 #: So many words are named.
 NAMED = 4
+#: So many different words are counted: a machine has some dozens, and codes of tools are many.
+MOST = 1000
 
+#: The letter and the number in tenths.
 Word = tuple[str, int]
+_CALLS: Word = ("M", 98 * PER_CODE)
 
 
 def style_of(codes: bytes, offset_word: str = "", ended: bool = False) -> str:
@@ -46,18 +56,26 @@ def style_of(codes: bytes, offset_word: str = "", ended: bool = False) -> str:
     if len(codes) > _HEAD + _TAIL:
         codes = codes[:_HEAD] + b"\n" + codes[-_TAIL:]
     words = _words(codes)
+    if not words:
+        return ""
+    called = _called(codes)
+    letters = np.array([ord(letter) for letter, _ in words], np.uint8)
+    tenths = np.array([number for _, number in words])
     known: dict[str, list[str]] = {}
     score: dict[str, int] = {}
-    for machine in map(machines.builtin, machines.names()):
+    for machine in map(builtin, iso_profiles(lambda m: bool(m.iso.words))):
         how = machine.iso
-        if not machine.is_of("iso") or not how.words:
-            continue
-        named = [word for word in words if _knows(machine, word, codes)]
+        classes = how.words.classes[how.words.entries_of(letters, tenths)]
+        named = [
+            word
+            for word, class_ in zip(words, classes.tolist(), strict=True)
+            if class_ != Known.NOT and (word != _CALLS or _runs(machine, class_, called))
+        ]
         features = bool(offset_word) and how.offset_word == offset_word
         score[machine.name] = (
             2 * len(named) - len(words) + features + (ended and how.semicolon == "block")
         )
-        known[machine.name] = [_text(word) for word in named]
+        known[machine.name] = [words[word] for word in named]
     best = max(score.values(), default=0)
     of = [name for name, points in score.items() if points == best and known[name]]
     if best < LEAST or not of:
@@ -79,32 +97,37 @@ def lines_end(codes: bytes) -> bool:
     return len(_ENDED.findall(head)) * 2 > head.count(b"\n")
 
 
-def _words(codes: bytes) -> list[Word]:
-    """Return the different words of makers in a text, in tenths, in order."""
-    found = {
-        (letter.decode(), int(number) * PER_CODE + int(tenth or b"0"))
-        for letter, number, tenth in _WORD.findall(codes)
-    }
-    if number := _NUMBER.match(codes):
-        found.add((number[1].decode(), int(number[2]) * PER_CODE))
+def _words(codes: bytes) -> dict[Word, str]:
+    """Return the different words of makers in a text, by letter and number, as they first stand.
+
+    At most `MOST` of them.
+    """
     common = {*OWN, *(("G", n) for n in LEADING | IDLE)}
-    return sorted(found - common)
+    found: dict[Word, str] = {}
+    first = _NUMBER.match(codes)
+    if first:
+        found[first[1].decode(), int(first[2]) * PER_CODE] = _plain(first[0])
+    for m in _WORD.finditer(codes):
+        word = m[1].decode(), int(m[2]) * PER_CODE + int(m[3] or b"0")
+        if word not in common and word not in found:
+            found[word] = _plain(m[0])
+            if len(found) == MOST:
+                break
+    return dict(sorted(found.items()))
 
 
-def _knows(machine: Machine, word: Word, codes: bytes) -> bool:
-    """Return whether a profile names a word; of a call, whether it runs what stands there."""
-    known = machine.iso.words.class_of(*word)
-    if word != ("M", 98 * PER_CODE):
-        return known is not Known.NOT
-    letter = {"N-label": b"N", "O-number": b"O"}.get(machine.iso.subprograms)
-    if known is not Known.PATH or letter is None:
-        return False
-    called = set(_CALL.findall(codes))
-    return any(re.search(rb"(?<![A-Z])%s *0*%s(?!\d)" % (letter, n), codes) for n in called)
+def _plain(word: bytes) -> str:
+    return word.translate(None, b" %\r\n\t").decode()
 
 
-def _text(word: Word) -> str:
-    letter, tenths = word
-    digits = {"C": 3, "M": 2, "G": 2, "L": 3}.get(letter, 1)
-    whole, tenth = divmod(tenths, PER_CODE)
-    return f"{letter}{whole:0{digits}d}" + (f".{tenth}" if tenth else "")
+def _called(codes: bytes) -> set[bytes]:
+    """Return the letters of labels that a call of the text finds."""
+    numbers = {int(n) for n in _CALL.findall(codes)}
+    return (
+        {letter for letter, n in _LABEL.findall(codes) if int(n) in numbers} if numbers else set()
+    )
+
+
+def _runs(machine: Machine, class_: int, called: set[bytes]) -> bool:
+    """Return whether a profile runs the subprograms that a text calls."""
+    return class_ == Known.PATH and _LETTERS.get(machine.iso.subprograms) in called

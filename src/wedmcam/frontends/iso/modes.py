@@ -153,6 +153,15 @@ def runs_of(r: Reader, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> 
     )
 
 
+def answers(numbers: list[int]) -> str:
+    """Return how the entries of some numbers are given.
+
+    >>> answers([0, 2])
+    '--d 0=0mm --d 2=0.1mm'
+    """
+    return " ".join(f"--d {n}={0.1 if n else 0:g}mm" for n in numbers)
+
+
 def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> None:
     """Report motions whose D is missing or not in the table, once for each number."""
     first = np.zeros(len(rows), bool)
@@ -172,8 +181,7 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         "iso-d",
         rows[where],
         lambda i: f"no offset was given for {modes.letter}{d[where[i]]}",
-        "give what is entered at the controller, such as "
-        + " ".join(f"--d {n}=0.1mm" for n in np.unique(d[where]).tolist()),
+        f"give what is entered at the controller, such as {answers(np.unique(d[where]).tolist())}",
     )
 
 

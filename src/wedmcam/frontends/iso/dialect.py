@@ -303,6 +303,8 @@ _STYLES = {
     "N-label": "M98 P0001 runs from the line N0001 to M99",
     "O-number": "M98 P0001 runs O0001 to M99",
 }
+#: The options that say which lines a call runs.
+STYLES_IN = " or ".join(f"--subprograms-in {name}" for name in _STYLES)
 
 
 def _profiles_of(style: str) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
+from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.reading import NAMED, Reading
 from wedmcam.frontends.iso.words import Words
 from wedmcam.machines import Known, Vocabulary, knowing
@@ -55,14 +56,24 @@ def take_known(r: Reading) -> NDArray[np.int8]:
     harmless = classes == Known.HARMLESS
     _tell_harmless(r, rows, entry, harmless, texts)
     refused = classes[rows] == Known.REFUSED
+    calls = (classes == Known.REFUSED) & (w.letter == ord("M")) & np.isin(w.whole, (98, 99))
     for one in np.unique(entry[refused]).tolist():
         mask = np.zeros(len(classes), bool)
         mask[rows[entry == one]] = True
-        hint = f"the profile {r.machine.name} refuses it; take it out where it changes no path"
+        cure = "take it out where it changes no path"
+        if (calls & mask).any():
+            cure = f"{dialects.STYLES_IN} runs it, where the file has its subprograms"
+        hint = f"the profile {r.machine.name} refuses it; {cure}"
         r.tell_words(Severity.ERROR, "iso-code", mask, texts[one], hint)
     _tell_owners(r, harmless)
-    r.words = w.without_words(harmless)
-    left: NDArray[np.int8] = classes[~harmless]
+    gone = harmless
+    if calls.any():  # what is found on a path without them is another's
+        r.unrun = True
+        here = np.zeros(r.lines, bool)
+        here[w.line[calls]] = True
+        gone = harmless | (here[w.line] & np.isin(w.letter, np.frombuffer(b"PL", np.uint8)))
+    r.words = w.without_words(gone)
+    left: NDArray[np.int8] = classes[~gone]
     return left
 
 

@@ -163,6 +163,20 @@ class Iso:
     feed_least_um: int = 0
     words: Vocabulary = field(default_factory=Vocabulary)
 
+    @property
+    def entry_factor(self) -> int:
+        """How many offsets an entry of the controller's table is: 2 of a diameter, else 1."""
+        return 2 if self.offsets == "diameter" else 1
+
+    @property
+    def offset_letter(self) -> str:
+        """The letter with which numbers of offsets are written.
+
+        >>> Iso().offset_letter, Iso(offset_word="H").offset_letter
+        ('D', 'H')
+        """
+        return "D" if self.offset_word == "either" else self.offset_word
+
 
 @dataclass(frozen=True, slots=True)
 class Axes:

@@ -136,7 +136,8 @@ def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
     if not len(rows):
         return otherwise
     tenths = tenths_of(w, rows)
-    key = w.letter[rows].astype(np.int64) * 10**13 + tenths
+    # Number and letter as one, as `Reading.named` has it.
+    key = tenths * 128 + w.letter[rows]
     first = np.sort(np.unique(key, return_index=True)[1])[:NAMED]
     of: dict[str, list[str]] = {}
     for i in first.tolist():
@@ -148,5 +149,5 @@ def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
     if not of:
         return otherwise
     ranked = sorted(of, key=lambda name: (-len(of[name]), name))
-    told = "; ".join(f"{name} ({', '.join(of[name])})" for name in ranked)
-    return f"profiles that know the word: {told}; --profile-in NAME takes it as that machine does"
+    known = "; ".join(f"{name} ({', '.join(of[name])})" for name in ranked)
+    return f"profiles that know the word: {known}; --profile-in NAME takes it as that machine does"

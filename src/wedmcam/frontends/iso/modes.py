@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Severity
+from wedmcam.frontends.iso.reading import Reading
 from wedmcam.ir.program import Role
 from wedmcam.machines import builtin, names
 
@@ -69,23 +69,7 @@ class Runs:
     cuts: Bools
 
 
-class Reader(Protocol):
-    """What is needed of the reader of a file."""
-
-    lines: int
-
-    def tell_lines(
-        self,
-        severity: Severity,
-        code: str,
-        where: Ints,
-        message: Callable[[int], str],
-        hint: str | None = None,
-    ) -> None:
-        """Report lines."""
-
-
-def runs_of(r: Reader, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> Runs | None:
+def runs_of(r: Reading, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> Runs | None:
     """Return the motions in compensation, and report where it cannot be followed.
 
     Args:
@@ -162,7 +146,7 @@ def answers(numbers: list[int]) -> str:
     return " ".join(f"--d {n}={0.1 if n else 0:g}mm" for n in numbers)
 
 
-def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> None:
+def _tell_numbers(r: Reading, rows: Ints, on: Bools, d: Ints, modes: Modes) -> None:
     """Report motions whose D is missing or not in the table, once for each number."""
     first = np.zeros(len(rows), bool)
     first[np.unique(np.where(on, d, -2), return_index=True)[1]] = True
@@ -186,7 +170,7 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
 
 
 def _tell_changes(
-    r: Reader,
+    r: Reading,
     rows: Ints,
     other: Bools,
     leads_in: Bools,

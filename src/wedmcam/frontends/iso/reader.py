@@ -398,7 +398,7 @@ def _program(
         keep &= m_rows <= stop[0]
     controls = np.zeros(int(keep.sum()), BLOCK)
     controls["kind"], controls["source"] = kinds[keep], -1
-    # A control word in a line with a motion comes after it, except that the order is the file's.
+    # Control words keep the order of the file; those in a line with a motion come behind it.
     every = np.concatenate([blocks, controls])
     key = np.concatenate([2 * block_line, 2 * m_lines[keep] + 1])
     order = np.argsort(key, kind="stable")

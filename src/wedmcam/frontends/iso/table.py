@@ -121,11 +121,12 @@ def _none_for_0(table: Table) -> Table:
 
 def _tell_diameters(r: Reading, table: Table, entered: list[int], letter: str) -> None:
     """Say what entries that are diameters mean; ``table`` is the one that counts."""
-    if r.machine.iso.offsets != "diameter":
+    factor = r.machine.iso.entry_factor
+    if factor == 1:
         return
     mm = r.machine.axes.step_um / 1000
     said = [
-        f"{letter}{n} = {2 * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm beside "
+        f"{letter}{n} = {factor * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm beside "
         "the outline"
         for n in entered
         if (um := table(n))
@@ -187,8 +188,8 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
             r.found.append((entry.at, error("iso-d", text, place, hint=hint)))
             wrong = True
     r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
-    half = 2 if r.machine.iso.offsets == "diameter" else 1
-    return None if wrong else {n: float(v / 1000 / half) for n, v in nm.items()}
+    factor = r.machine.iso.entry_factor
+    return None if wrong else {n: float(v / 1000 / factor) for n, v in nm.items()}
 
 
 def _merged(
@@ -205,14 +206,14 @@ def _merged(
             continue
         entry = next(e for e in r.entries if e.number == n)
         place = r.spans.at(entry.at, entry.end - entry.at)
-        twice = step * (2 if r.machine.iso.offsets == "diameter" else 1)
-        what = f"{letter}{n} = {mine * twice:.4f} mm, of the table in the file"
+        unit = step * r.machine.iso.entry_factor
+        what = f"{letter}{n} = {mine * unit:.4f} mm, of the table in the file"
         if other is None or abs(other - mine) < 0.05:
             r.found.append((entry.at, note("iso-offsets", what, place)))
             continue
         which = "that of the drawing" if tables.assumed else "--d"
         wins = "the table of the file" if tables.assumed else "--d"
-        what += f"; {which} is {other * twice:.4f} mm: {wins} counts"
+        what += f"; {which} is {other * unit:.4f} mm: {wins} counts"
         hint = "see which is entered at the machine"
         r.found.append((entry.at, warning("iso-offsets", what, place, hint=hint)))
     own = {n: um for n, um in filed.items() if tables.assumed or entered.get(n) is None}

@@ -38,7 +38,7 @@ _NAME_IT = "--profile-in NAME|FILE of the machine it was written for"
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """What is said of a program beside its text; None where nobody says it.
+    """What is said of a program beside its text; None where nothing says it.
 
     Attributes:
         coordinates: "absolute" or "incremental": before the first G90 or G91.

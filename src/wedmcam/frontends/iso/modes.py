@@ -155,7 +155,7 @@ def _tell_numbers(r: Reading, rows: Ints, on: Bools, d: Ints, modes: Modes) -> N
         Severity.ERROR,
         "iso-d",
         none,
-        lambda i: f"G41 or G42 without a {modes.letter}: by how much is nowhere said",
+        lambda i: f"G41 or G42 without a {modes.letter}: the file does not say by how much",
         f"{modes.letter} with the number of the offset, such as G41 {modes.letter}1",
     )
     where = np.flatnonzero(on & first & (d >= 0))

@@ -41,7 +41,7 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         Severity.ERROR,
         "iso-d",
         both,
-        lambda i: "D and H both number offsets in this file: which of them counts is nowhere said",
+        lambda i: "D and H both number offsets in this file: the file does not say which counts",
         "leave one of them out",
     )
     if len(both):
@@ -173,7 +173,7 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
         elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
             problem = "the file has inches and mm, and neither is in force here"
         elif entry.whole and digit is None:
-            problem = "a whole number in inches: what its last digit is stands nowhere"
+            problem = "a whole number in inches: the file does not say what its last digit is"
         elif nm.setdefault(entry.number, value) != value:
             problem = "the offset is set twice, to different values"
         elif value < 0 or value > MOST_NM:

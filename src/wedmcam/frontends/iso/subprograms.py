@@ -519,7 +519,7 @@ def _run(r: Reading, plan: Plan) -> Ints:
     r.found.append((at, note("subprogram-run", what, r.spans.at(at))))
     _tell_idle(r, plan, filled & ~done)
     w = w.without_words(plan.spent | ~done[w.line])
-    stray = w.stray[done[np.searchsorted(w.line_end, w.stray)]]
+    stray = w.stray[done[w.lines_at(w.stray)]]
     r.words = replace(w, stray=stray, skipped=w.skipped[done[w.skipped]])
     r.titles = r.titles[done[r.titles]]
     return order

@@ -126,8 +126,8 @@ def _tell_diameters(r: Reading, table: Table, entered: list[int], letter: str) -
         return
     mm = r.machine.axes.step_um / 1000
     said = [
-        f"{letter}{n} = {factor * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm beside "
-        "the outline"
+        f"{letter}{n} = {factor * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm "
+        "beside the outline"
         for n in entered
         if (um := table(n))
     ]

@@ -433,7 +433,7 @@ def _summary(
         result["profile_toml"] = as_toml(machine)
     if options.d:  # what is entered at the controller belongs to the program
         result["d_um"] = {str(number): um for number, um in options.d}
-        if machine.iso.offsets == "diameter":
+        if machine.iso.entry_factor == 2:
             result["d_is"] = "diameter"
     if out is None or not output_name:
         result["output"] = None

@@ -545,6 +545,24 @@ def test_entries_that_are_diameters():
     assert not found
 
 
+def test_a_diameter_is_said_of_the_entry_that_counts():
+    twice = profile(offsets="diameter")
+    table = TABLE.replace("0.14", "0.2")
+    _, found = target_of(twice).read(table.encode(), "a.nc", Entries(d=((1, 0.0),)))
+    said = [d.message for d in found]
+    assert any("--d is 0.0000 mm: --d counts" in m for m in said)
+    assert not any("is a diameter" in m for m in said)
+    _, found = target_of(twice).read(table.encode(), "a.nc", Entries(d=((1, 300.0),)))
+    said = [d.message for d in found]
+    assert "H1 = 0.3000 mm is a diameter: the wire runs 0.1500 mm beside the outline" in said
+
+
+def test_the_hint_for_an_offset_0_enters_0():
+    text = "G91\nG41 D0 G01 X500\nG01 Y500\nG40\nM02\n"
+    _, found = read(text, [(1, 100.0)], machine=profile(offset_word="D"))
+    assert [d.hint for d in found] == ["give what is entered at the controller, such as --d 0=0mm"]
+
+
 def test_linuxcnc_numbers_diameters_by_d():
     text = TABLE.replace("H001 = 0.14\n", "").replace("H001", "D1").replace("G92", "G00")
     entered = Entries(d=((1, 200.0),))

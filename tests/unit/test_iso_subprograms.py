@@ -503,3 +503,28 @@ def test_a_part_is_proven_through_its_calls():
         subprograms_in="O-number",
     )
     assert proof.ok
+
+
+CALLED = "O1\nG21 G90 G40\nG00 X0 Y0\nM98 P100 L2\nM30\nO100\nG91 G01 X1.0 F5.0\nM99\n"
+
+
+def test_linuxcnc_runs_numbered_programs():
+    """Its handbook, O Codes: Fanuc-style numbered programs are on by default."""
+    program, machine, found = api.read_program(CALLED.encode(), profile="linuxcnc", name="a.nc")
+    assert [d.code for d in found if d.severity is Severity.ERROR] == []
+    assert api.positions(program, machine)[1].tolist()[-1] == [2000, 0]
+
+
+@pytest.mark.parametrize("name", ["makino", "mitsubishi"])
+def test_a_refused_call_is_one_error_and_names_the_option(name):
+    text = CALLED.replace("P100 L2", "P100").replace(" F5.0", "")
+    if name == "mitsubishi":
+        text = text.replace("G00 X0 Y0", "G92 X0 Y0")
+    said = {"profile": name, "name": "a.nc"}
+    _, _, found = api.read_program(text.encode(), **said)
+    wrong = [d for d in found if d.severity is Severity.ERROR]
+    assert [d.message.split(":")[0] for d in wrong] == ["M98"]
+    assert "--subprograms-in N-label or --subprograms-in O-number runs it" in wrong[0].hint
+    assert "take it out" not in wrong[0].hint
+    _, _, found = api.read_program(text.encode(), **said, subprograms_in="O-number")
+    assert [d for d in found if d.severity is Severity.ERROR] == []

@@ -232,7 +232,7 @@ def encode_outlines(
         words = [codes[2 + (turn > 0) if turn else 0 if kind == Kind.MOVE and how.rapid else 1]]
         if mark >= 0 and motions["role"][mark] == Role.LEAD_IN:
             side = 41 if motions["shift"][mark] > 0 else 42
-            number = f"{'H' if how.offset_word == 'H' else 'D'}{int(motions['d'][mark])}"
+            number = f"{how.offset_letter}{int(motions['d'][mark])}"
             words = [f"G{side}", number, *words]
         elif mark >= 0 and motions["role"][mark] == Role.LEAD_OUT:
             words = ["G40", *words]
@@ -300,14 +300,17 @@ def _arc(
     >>> _arc(Iso(), [0, 0], [0, 0], [-9, 4], True)
     [['X-18', 'Y8', 'I-9', 'J4'], ['X18', 'Y-8', 'I9', 'J-4']]
     """
-    arcs = [(end, _centre(how, start, centre))]
-    if halves:
+    if not halves:
+        arcs = [(end, _centre(how, start, centre))]
+    else:
         there = [2 * c for c in centre]
         back = [-v for v in there] if how.coordinates == "incremental" else end
         if how.coordinates == "absolute":
             there = [e + v for e, v in zip(end, there, strict=True)]
-        arcs += [(back, _centre(how, there, [-c for c in centre]))]
-        arcs[0] = (there, arcs[0][1])
+        arcs = [
+            (there, _centre(how, start, centre)),
+            (back, _centre(how, there, [-c for c in centre])),
+        ]
     return [
         [f"{k}{_number(how, v)}" for k, v in zip("XYIJ", [*to, *c], strict=True)] for to, c in arcs
     ]

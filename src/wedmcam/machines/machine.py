@@ -134,10 +134,10 @@ class Iso:
             program that is read then tells its start, and is no move.
         feed_um: F that is written where no ``--feed`` is given, um a minute; not set: no F at all.
             With it F is a word that is known where a program is read.
-        arc_least_um: the controller refuses arcs of a smaller radius at start or end; they are written
-            as lines. 0 for no such limit.
-        modes: G codes of a line in front of G90 or G91, behind the header: the modes that the rest of
-            a program depends on, whatever a controller was left in.
+        arc_least_um: the controller refuses arcs of a smaller radius at start or end; they are
+            written as lines. 0 for no such limit.
+        modes: G codes of a line in front of G90 or G91, behind the header: the modes that the rest
+            of a program depends on, whatever a controller was left in.
         feed_least_um: the controller cuts no slower than this, um a minute, whatever F says; 0 for
             no such limit.
         words: see `Vocabulary`.
@@ -168,6 +168,20 @@ class Iso:
     modes: str = ""
     feed_least_um: int = 0
     words: Vocabulary = field(default_factory=Vocabulary)
+
+    @property
+    def entry_factor(self) -> int:
+        """How many offsets an entry of the controller's table is: 2 of a diameter, else 1."""
+        return 2 if self.offsets == "diameter" else 1
+
+    @property
+    def offset_letter(self) -> str:
+        """The letter with which numbers of offsets are written.
+
+        >>> Iso().offset_letter, Iso(offset_word="H").offset_letter
+        ('D', 'H')
+        """
+        return "D" if self.offset_word == "either" else self.offset_word
 
 
 @dataclass(frozen=True, slots=True)

@@ -251,8 +251,8 @@ def _of_iso(
     metric = around.metric([*header, iso.get("modes", "")], iso.get("semicolon", ""))
     if iso.get("points") == "inch" and iso.get("unit") == "mm" and writes and not metric:
         what = (
-            '\'iso.points\' = "inch" goes with unit = "mm" where header or modes have G21 or G71, or '
-            "with writes = false: its own programs would be read in inches"
+            '\'iso.points\' = "inch" goes with unit = "mm" where header or modes have G21 or G71, '
+            "or with writes = false: its own programs would be read in inches"
         )
         found.append(error("profile-value", what, _place(text, name, "iso", "points")))
     if iso.get("start") == "move" and iso.get("coordinates") != "absolute":

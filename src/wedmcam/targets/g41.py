@@ -127,7 +127,7 @@ class Offsetting(Iso):
         """A number for each offset."""
         from wedmcam.transforms import outlines
 
-        twice = 2.0 if self.machine.iso.offsets == "diameter" else 1.0
+        twice = float(self.machine.iso.entry_factor)
         offsets = outlines.numbers(plan, self.machine.iso.d)
         return self._of_table(Entries(d=tuple((n, twice * um) for n, um in offsets.items())))
 

@@ -269,8 +269,7 @@ class Iso(Stated):
     def _of_table(self, entries: Entries) -> Entries:
         """Return entries as this controller's table takes them."""
         how = self.machine.iso
-        letter = "H" if how.offset_word == "H" else "D"
-        return replace(entries, letter=letter, diameter=how.offsets == "diameter")
+        return replace(entries, letter=how.offset_letter, diameter=how.entry_factor == 2)
 
     def read(
         self, data: bytes, file: str, entries: Entries

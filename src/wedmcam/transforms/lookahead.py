@@ -311,8 +311,8 @@ def _ways(s: Segments) -> Bools:
     """Return which rows are a way to the outline or away from it, and bound nothing.
 
     The first row where the outline comes by its end again, the last where it came by its start: the
-    wire crosses it there for certain. (Of an overlap past a corner they are too, and stand
-    twice in the outline.)
+    wire crosses it there for certain. Where the outline overlaps itself past a corner, its
+    first and last row lie on rows that it has already, and are such ways too.
     """
     n = len(s)
     found = np.zeros(n, bool)

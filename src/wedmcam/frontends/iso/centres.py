@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import fits
 from wedmcam.frontends.iso.reading import Reading, filled
+from wedmcam.machines.vocabulary import PER_CODE
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -47,7 +48,7 @@ _ANSWERS = {"absolute": Rule.ABSOLUTE, "start": Rule.START, "to-start": Rule.TO_
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rules:
-    """The rule at every line, and whether nobody said it."""
+    """The rule at every line, and whether neither file, option nor profile says it."""
 
     rule: Ints
     is_open: Bools
@@ -60,14 +61,16 @@ def rules_of(r: Reading, codes: Ints, has: Bools) -> Rules:
     unsaid = np.full(r.lines, r.dialect.is_open(r.dialect.centres, "ij"))
     lines = np.flatnonzero(has)
     if len(lines):
-        of_code = np.where(codes == 901, int(Rule.PLACE), int(Rule.START))
+        of_code = np.zeros(len(codes), np.int64)
+        for code, one in CODES.items():
+            of_code[codes == code] = one
         rule = filled(of_code, has, int(said))
         unsaid &= np.arange(r.lines) < lines[0]
-        asked = _SAID[r.said.centres] if r.said.centres else None
-        other = asked is not None and codes[lines[0]] != (901 if asked is Rule.ABSOLUTE else 911)
-        if other or asked is Rule.TO_START:
-            name = "G90.1" if codes[lines[0]] == 901 else "G91.1"
-            r.tell_stated(lines[:1], name, "--centres-in")
+        code = int(codes[lines[0]])
+        # G90.1 is what `absolute` says, but under G91 too.
+        same = {Rule.PLACE: "absolute", Rule.START: "start"}[CODES[code]]
+        if r.said.centres not in (None, same):
+            r.tell_stated(lines[:1], f"G{code / PER_CODE:g}", "--centres-in")
     return Rules(rule, unsaid)
 
 

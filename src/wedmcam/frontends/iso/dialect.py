@@ -38,7 +38,7 @@ _NAME_IT = "--profile-in NAME|FILE of the machine it was written for"
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """What is said of a program beside its text; None where nobody says it.
+    """What is said of a program beside its text; None where nothing says it.
 
     Attributes:
         coordinates: "absolute" or "incremental": before the first G90 or G91.
@@ -303,6 +303,8 @@ _STYLES = {
     "N-label": "M98 P0001 runs from the line N0001 to M99",
     "O-number": "M98 P0001 runs O0001 to M99",
 }
+#: The options that say which lines a call runs.
+STYLES_IN = " or ".join(f"--subprograms-in {name}" for name in _STYLES)
 
 
 def _profiles_of(style: str) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats.iso import IDLE, PER_CODE
+from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.reading import NAMED, Reading
 from wedmcam.frontends.iso.words import Words
 from wedmcam.machines import Known, Vocabulary, knowing
@@ -56,14 +57,24 @@ def take_known(r: Reading) -> NDArray[np.int8]:
     harmless = classes == Known.HARMLESS
     _tell_harmless(r, rows, entry, harmless, texts)
     refused = classes[rows] == Known.REFUSED
+    calls = (classes == Known.REFUSED) & (w.letter == ord("M")) & np.isin(w.whole, (98, 99))
     for one in np.unique(entry[refused]).tolist():
         mask = np.zeros(len(classes), bool)
         mask[rows[entry == one]] = True
-        hint = f"the profile {r.machine.name} refuses it; take it out where it changes no path"
+        cure = "take it out where it changes no path"
+        if (calls & mask).any():
+            cure = f"{dialects.STYLES_IN} runs it, where the file has its subprograms"
+        hint = f"the profile {r.machine.name} refuses it; {cure}"
         r.tell_words(Severity.ERROR, "iso-code", mask, texts[one], hint)
     _tell_owners(r, harmless)
-    r.words = w.without_words(harmless)
-    left: NDArray[np.int8] = classes[~harmless]
+    gone = harmless
+    if calls.any():  # what is found on a path without them is another's
+        r.unrun = True
+        here = np.zeros(r.lines, bool)
+        here[w.line[calls]] = True
+        gone = harmless | (here[w.line] & np.isin(w.letter, np.frombuffer(b"PL", np.uint8)))
+    r.words = w.without_words(gone)
+    left: NDArray[np.int8] = classes[~gone]
     return left
 
 
@@ -126,7 +137,8 @@ def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
     if not len(rows):
         return otherwise
     tenths = tenths_of(w, rows)
-    key = w.letter[rows].astype(np.int64) * 10**13 + tenths
+    # Number and letter as one, as `Reading.named` has it.
+    key = tenths * 128 + w.letter[rows]
     first = np.sort(np.unique(key, return_index=True)[1])[:NAMED]
     of: dict[str, list[str]] = {}
     for i in first.tolist():
@@ -138,5 +150,5 @@ def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
     if not of:
         return otherwise
     ranked = sorted(of, key=lambda name: (-len(of[name]), name))
-    told = "; ".join(f"{name} ({', '.join(of[name])})" for name in ranked)
-    return f"profiles that know the word: {told}; --profile-in NAME takes it as that machine does"
+    known = "; ".join(f"{name} ({', '.join(of[name])})" for name in ranked)
+    return f"profiles that know the word: {known}; --profile-in NAME takes it as that machine does"

@@ -78,7 +78,7 @@ def lengths_of(
             "iso-units",
             np.flatnonzero(mixed),
             lambda i, system=system: (  # type: ignore[misc]
-                f"a whole number in {system}: what its last digit is stands nowhere"
+                f"a whole number in {system}: the file does not say what its last digit is"
             ),
             f"write {system} with a point, or give --whole-in {answer}",
         )

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Severity
+from wedmcam.frontends.iso.reading import Reading
 from wedmcam.ir.program import Role
 from wedmcam.machines import builtin, names
 
@@ -69,23 +69,7 @@ class Runs:
     cuts: Bools
 
 
-class Reader(Protocol):
-    """What is needed of the reader of a file."""
-
-    lines: int
-
-    def tell_lines(
-        self,
-        severity: Severity,
-        code: str,
-        where: Ints,
-        message: Callable[[int], str],
-        hint: str | None = None,
-    ) -> None:
-        """Report lines."""
-
-
-def runs_of(r: Reader, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> Runs | None:
+def runs_of(r: Reading, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> Runs | None:
     """Return the motions in compensation, and report where it cannot be followed.
 
     Args:
@@ -153,7 +137,16 @@ def runs_of(r: Reader, rows: Ints, motion: Ints, still: Bools, modes: Modes) -> 
     )
 
 
-def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> None:
+def answers(numbers: list[int]) -> str:
+    """Return how the entries of some numbers are given.
+
+    >>> answers([0, 2])
+    '--d 0=0mm --d 2=0.1mm'
+    """
+    return " ".join(f"--d {n}={0.1 if n else 0:g}mm" for n in numbers)
+
+
+def _tell_numbers(r: Reading, rows: Ints, on: Bools, d: Ints, modes: Modes) -> None:
     """Report motions whose D is missing or not in the table, once for each number."""
     first = np.zeros(len(rows), bool)
     first[np.unique(np.where(on, d, -2), return_index=True)[1]] = True
@@ -162,7 +155,7 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         Severity.ERROR,
         "iso-d",
         none,
-        lambda i: f"G41 or G42 without a {modes.letter}: by how much is nowhere said",
+        lambda i: f"G41 or G42 without a {modes.letter}: the file does not say by how much",
         f"{modes.letter} with the number of the offset, such as G41 {modes.letter}1",
     )
     where = np.flatnonzero(on & first & (d >= 0))
@@ -172,13 +165,12 @@ def _tell_numbers(r: Reader, rows: Ints, on: Bools, d: Ints, modes: Modes) -> No
         "iso-d",
         rows[where],
         lambda i: f"no offset was given for {modes.letter}{d[where[i]]}",
-        "give what is entered at the controller, such as "
-        + " ".join(f"--d {n}=0.1mm" for n in np.unique(d[where]).tolist()),
+        f"give what is entered at the controller, such as {answers(np.unique(d[where]).tolist())}",
     )
 
 
 def _tell_changes(
-    r: Reader,
+    r: Reading,
     rows: Ints,
     other: Bools,
     leads_in: Bools,

@@ -13,6 +13,7 @@ reads programs that need no table. What a file does not say itself, and who says
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,6 @@ from wedmcam.frontends.iso.reading import Reading, column, filled
 from wedmcam.frontends.iso.subprograms import STYLES, calls_of, ends_of, order_of
 from wedmcam.frontends.iso.table import Tables, modes_of
 from wedmcam.frontends.iso.tape import take_end, take_number
-from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.plain import TextSpans
 from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
@@ -58,6 +58,41 @@ Floats = NDArray[np.float64]
 
 #: Motion behind G80, which ends the one before.
 NO_MOTION = -80
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lines:
+    """What every line says, and what is in force there.
+
+    Attributes:
+        axes: of X, Y, I, J and R, as of `reading.column`.
+        motion: G code in force, `UNSAID` for none, `NO_MOTION` behind G80.
+        distance: 90 or 91 in force, or `UNSAID`.
+        inches: 1 in inches, 0 in mm, or `UNSAID`.
+        reset: whether the line sets where the wire stands, and goes nowhere.
+        rules: from where I and J count.
+    """
+
+    axes: dict[str, tuple[Ints, Bools, Bools, Ints]]
+    motion: Ints
+    distance: Ints
+    inches: Ints
+    reset: Bools
+    rules: Rules
+
+    @property
+    def has(self) -> dict[str, Bools]:
+        """Which lines have a letter."""
+        return {k: column[1] for k, column in self.axes.items()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Places:
+    """Where every line starts and ends, nm, and where it starts in coordinates that G92 sets."""
+
+    starts: dict[str, Ints]
+    ends: dict[str, Ints]
+    befores: dict[str, Ints]
 
 
 def decode(
@@ -77,8 +112,8 @@ def decode(
         two pauses is a move, like G00. ``spans[i]`` is the line. G41 and G42 are refused: where
         they lead depends on a table.
     """
-    made, found = read(data, machine, file, dialect=dialect)
-    return made.program, found
+    programmed, found = read(data, machine, file, dialect=dialect)
+    return programmed.program, found
 
 
 def read(
@@ -104,10 +139,10 @@ def read(
     r = Reading(data, machine, file, dialect or Dialect())
     # A profile may refuse calls, for nothing states what they run; the user may still say it.
     refuses = vocabulary_of(r).class_of("M", 98 * PER_CODE) is Known.REFUSED
-    runs = not refuses or r.said.subprograms in STYLES
-    take_end(r, by_word=not (runs and calls_of(r)))
+    runs_calls = not refuses or r.said.subprograms in STYLES
+    take_end(r, by_word=not (runs_calls and calls_of(r)))
     take_number(r)
-    order = order_of(r) if runs else None
+    order = order_of(r) if runs_calls else None
     _tell_text(r)
     if order is not None:
         r.run_in(order)
@@ -208,7 +243,7 @@ def read(
     calls |= m & np.isin(code, iso.SUBPROGRAMS) & ~np.isin(code, ends_of(r.subprograms))
     rules = rules_of(r, *modal["centres"])
     calling = np.flatnonzero(calls)
-    return _program(r, axes, distance, motion, inches, reset, m, calling, modes, rules)
+    return _program(r, Lines(axes, motion, distance, inches, reset, rules), m, calling, modes)
 
 
 def _end_motion(lines: Ints, motion: Ints, has: Bools) -> None:
@@ -265,9 +300,9 @@ def _tell_text(r: Reading) -> None:
         "put text into brackets: (TITLE); or remove the line",
     )
     if len(w.stray):
-        lines = np.unique(np.searchsorted(w.line_end, w.stray))
+        lines = np.unique(w.lines_at(w.stray))
         first = {
-            int(n): int(k) for k, n in zip(w.stray[::-1], lines_of(w, w.stray)[::-1], strict=True)
+            int(n): int(k) for k, n in zip(w.stray[::-1], w.lines_at(w.stray)[::-1], strict=True)
         }
         r.tell_lines(
             Severity.ERROR,
@@ -288,25 +323,12 @@ def _tell_text(r: Reading) -> None:
         )
 
 
-def lines_of(w: Words, at: Ints) -> Ints:
-    """Return the line of characters."""
-    return np.searchsorted(w.line_end, at)
-
-
 def _program(
-    r: Reading,
-    axes: dict[str, tuple[Ints, Bools, Bools, Ints]],
-    distance: Ints,
-    motion: Ints,
-    inches: Ints,
-    reset: Bools,
-    m: Bools,
-    calls: Ints,
-    modes: Modes | None,
-    rules: Rules,
+    r: Reading, lines: Lines, m: Bools, calls: Ints, modes: Modes | None
 ) -> tuple[Programmed, list[Diagnostic]]:
+    """Return the program: ``m`` are its M words, ``calls`` the words that call, as rows."""
     w = r.words
-    has = {k: axes[k][1] for k in axes}
+    has, motion, reset = lines.has, lines.motion, lines.reset
     curved = (motion >= 2) & ~reset
     centred = has["I"] | has["J"]
     moves = (has["X"] | has["Y"] | (curved & (centred | has["R"]))) & ~reset
@@ -318,8 +340,56 @@ def _program(
     stop_line = int(w.line[stop[0]]) if len(stop) else r.lines
     calls = calls[w.line[calls] <= stop_line]
     r.questions += dialects.of_repeats(calls, w, r.plain)
-    nm = lengths_of(r, axes, inches, (moves | reset, curved), stop_line)
-    distance = distance_of(r, distance, moves & (has["X"] | has["Y"]), stop_line)
+    nm = lengths_of(r, lines.axes, lines.inches, (moves | reset, curved), stop_line)
+    distance = distance_of(r, lines.distance, moves & (has["X"] | has["Y"]), stop_line)
+    _tell_motions(r, moves, motion, (centred | has["R"]) & ~curved & ~reset)
+    places = _places(nm, lines, distance, moves)
+    starts_nm, ends_nm = places.starts, places.ends
+    rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
+    _tell_start(r, rows[:1], motion, distance, reset)
+    runs = None
+    if modes is not None:
+        still = np.ones(len(rows), bool)
+        for k in "XY":
+            still &= grid(starts_nm[k][rows]) == grid(ends_nm[k][rows])
+        runs = runs_of(r, rows, motion[rows], still & (motion[rows] < 2), modes)
+    arcs = rows[motion[rows] >= 2]
+    by_rule = centres_by_rule(
+        arcs, lines.rules, nm, distance == 90, places.befores, starts_nm, ends_nm
+    )
+    blocks, block_line, motions = _blocks(
+        r, rows, motion, nm, has, starts_nm, ends_nm, by_rule, runs
+    )
+
+    kinds = _kinds(r, m_rows, ends, stop_line)
+    keep = m_lines <= stop_line
+    if len(stop):
+        keep &= m_rows <= stop[0]
+    controls = np.zeros(int(keep.sum()), BLOCK)
+    controls["kind"], controls["source"] = kinds[keep], -1
+    # Control words keep the order of the file; those in a line with a motion come behind it.
+    every = np.concatenate([blocks, controls])
+    key = np.concatenate([2 * block_line, 2 * m_lines[keep] + 1])
+    order = np.argsort(key, kind="stable")
+    every, line = every[order], np.concatenate([block_line, m_lines[keep]])[order]
+    names = np.concatenate([np.full(len(blocks), -1), codes[keep]])[order]
+    moved = b3.moves(every["kind"]) & (every["kind"] == Kind.LINE)
+    mark = every["source"].astype(np.int64)
+    every["source"] = -1
+    if runs is not None:  # a line in compensation, or one that says G40 itself, cuts
+        moved[(mark >= 0) & runs.cuts[mark]] = False
+    every["kind"][moved] = Kind.MOVE
+    words = tuple((int(i), f"M{names[i]:02d}") for i in np.flatnonzero(every["kind"] == Kind.WORD))
+    size = np.maximum(w.line_end[line] - w.line_start[line], 1).astype(np.int32)
+    spans = TextSpans(r.file, r.plain.codes, w.line_start[line], size)
+    if not len(rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
+        what = "no ISO record with a motion in this file"
+        r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
+    return Programmed(Program(every, spans=spans, words=words), mark, motions), r.findings()
+
+
+def _tell_motions(r: Reading, moves: Bools, motion: Ints, centred: Bools) -> None:
+    """Report places without a motion; ``centred``: lines with a centre or radius and no arc."""
     r.tell_lines(
         Severity.ERROR,
         "iso-code",
@@ -336,43 +406,40 @@ def _program(
     r.tell_lines(
         Severity.ERROR,
         "iso-arc",
-        np.flatnonzero((centred | has["R"]) & ~curved & ~reset),
+        np.flatnonzero(centred),
         lambda i: "a centre or a radius without G02 or G03",
     )
-    ends_nm, starts_nm, befores = {}, {}, {}
+
+
+def _places(nm: dict[str, Ints], lines: Lines, distance: Ints, moves: Bools) -> Places:
+    """Return where every line starts and ends: ``moves`` go there, G90 or G91 by ``distance``."""
+    has, reset, many = lines.has, lines.reset, len(moves)
+    ends, starts, befores = {}, {}, {}
     for k in "XY":
         absolute = (distance == 90) & has[k] & moves
         sets = absolute | (reset & has[k])
         step = np.where(moves & has[k] & (distance == 91), nm[k], 0)
         summed = np.cumsum(step)
-        last = np.maximum.accumulate(np.where(sets, np.arange(r.lines), -1))
+        last = np.maximum.accumulate(np.where(sets, np.arange(many), -1))
         at = np.maximum(last, 0)
         work = np.where(last >= 0, nm[k][at] + summed - summed[at], summed)
         before = np.concatenate([[0], work[:-1]])
         place = np.cumsum(np.where(reset, 0, work - before))
-        ends_nm[k], starts_nm[k] = place, np.concatenate([[0], place[:-1]])
+        ends[k], starts[k] = place, np.concatenate([[0], place[:-1]])
         befores[k] = before
+    return Places(starts, ends, befores)
 
-    rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
-    _tell_start(r, rows[:1], motion, distance, reset)
-    runs = None
-    if modes is not None:
-        still = np.ones(len(rows), bool)
-        for k in "XY":
-            still &= grid(starts_nm[k][rows]) == grid(ends_nm[k][rows])
-        runs = runs_of(r, rows, motion[rows], still & (motion[rows] < 2), modes)
-    arcs = rows[motion[rows] >= 2]
-    by_rule = centres_by_rule(arcs, rules, nm, distance == 90, befores, starts_nm, ends_nm)
-    blocks, block_line, motions = _blocks(
-        r, rows, motion, nm, has, starts_nm, ends_nm, by_rule, runs
-    )
 
+def _kinds(r: Reading, m_rows: Ints, ends: tuple[int, ...], stop_line: int) -> Ints:
+    """Return the kind of block of each M word, and report those that nothing here knows."""
+    w = r.words
+    codes = w.whole[m_rows]
     unknown = np.zeros(len(w.letter), bool)
     kinds = np.full(len(m_rows), int(Kind.WORD))
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
     kinds[np.isin(codes, ends)] = Kind.STOP
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
-    plain_word &= m_lines <= stop_line
+    plain_word &= w.line[m_rows] <= stop_line
     turns = np.zeros(len(w.letter), bool)
     turns[m_rows[plain_word & np.isin(codes, iso.TURNS)]] = True
     r.tell_words(
@@ -393,30 +460,7 @@ def _program(
         else "an M word that is not known here; kept as a control record",
         who_knows(r, unknown, "a profile of your own can say what it does: [iso.words]"),
     )
-    keep = m_lines <= stop_line
-    if len(stop):
-        keep &= m_rows <= stop[0]
-    controls = np.zeros(int(keep.sum()), BLOCK)
-    controls["kind"], controls["source"] = kinds[keep], -1
-    # A control word in a line with a motion comes after it, except that the order is the file's.
-    every = np.concatenate([blocks, controls])
-    key = np.concatenate([2 * block_line, 2 * m_lines[keep] + 1])
-    order = np.argsort(key, kind="stable")
-    every, line = every[order], np.concatenate([block_line, m_lines[keep]])[order]
-    names = np.concatenate([np.full(len(blocks), -1), codes[keep]])[order]
-    moved = b3.moves(every["kind"]) & (every["kind"] == Kind.LINE)
-    mark = every["source"].astype(np.int64)
-    every["source"] = -1
-    if runs is not None:  # a line in compensation, or one that says G40 itself, cuts
-        moved[(mark >= 0) & runs.cuts[mark]] = False
-    every["kind"][moved] = Kind.MOVE
-    words = tuple((int(i), f"M{names[i]:02d}") for i in np.flatnonzero(every["kind"] == Kind.WORD))
-    size = np.maximum(w.line_end[line] - w.line_start[line], 1).astype(np.int32)
-    spans = TextSpans(r.file, r.plain.codes, w.line_start[line], size)
-    if not len(rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
-        what = "no ISO record with a motion in this file"
-        r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
-    return Programmed(Program(every, spans=spans, words=words), mark, motions), r.findings()
+    return kinds
 
 
 def _tell_start(r: Reading, first: Ints, motion: Ints, distance: Ints, reset: Bools) -> None:

@@ -275,7 +275,7 @@ def _target(r: Reading, plan: Plan, whole: Bools) -> list[_Fault]:
 
     no_p, ok = of_p == 0, (of_p == 1) & ~wrong_p
     return [
-        (no_p, lambda i: "M98 without P: which subprogram is nowhere said", _FORM),
+        (no_p, lambda i: "M98 without P: the file does not say which subprogram", _FORM),
         (~no_p & ~ok, lambda i: "P is the number of one subprogram, whole", _FORM),
         (
             (of_l > 1) | wrong_l | (times < 1),
@@ -333,7 +333,7 @@ def _reach(plan: Plan) -> None:
 
 
 def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
-    """Refuse words beside M98 and M99 of which the order, or the meaning, is nowhere stated."""
+    """Refuse words beside M98 and M99 where no source states their order, or their meaning."""
     w = r.words
     plan.refuse(
         backs[backs <= plan.end],
@@ -349,7 +349,7 @@ def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
     many = np.bincount(w.line[w.letter == ord("M")], minlength=r.lines)
     plan.refuse(
         np.flatnonzero(here & (many > 1)),
-        "another M word in a line with M98 or M99: which comes first is nowhere said",
+        "another M word in a line with M98 or M99: no source states which comes first",
         "write each into a line of its own",
     )
     beside = np.isin(w.letter, np.frombuffer(_BESIDE, np.uint8)) & ~motion
@@ -369,13 +369,15 @@ def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
             return f"{_word(r, row)} beside M99 goes on in another line: it is not followed"
         kind = "a motion" if motion[row] else "a word"
         with_ = "M98" if called[w.line[row]] else "M99"
-        return f"{_word(r, row)}: {kind} in a line with {with_}; what it does there is nowhere said"
+        return (
+            f"{_word(r, row)}: {kind} in a line with {with_}; no source states what it does there"
+        )
 
     plan.refuse(w.line[rows], strange, "write M98 and M99 into lines of their own")
 
 
 def _check_bodies(r: Reading, plan: Plan, code: Ints) -> None:
-    """Refuse subprograms that do not end, or of which the lines belong to the main program."""
+    """Refuse subprograms that do not end, or whose lines belong to the main program."""
     w = r.words
     called = np.flatnonzero(plan.live & (plan.target >= 0))
     _, first = np.unique(plan.target[called], return_index=True)
@@ -398,7 +400,7 @@ def _check_bodies(r: Reading, plan: Plan, code: Ints) -> None:
     endless = ~inside & (plan.back[of] >= np.minimum(last, r.lines))
     tell(
         endless & (stop >= last),
-        lambda i: f"{name(i)} has no M99: where the subprogram ends is nowhere said",
+        lambda i: f"{name(i)} has no M99: the file does not say where the subprogram ends",
     )
     tell(
         ~inside & (stop < np.minimum(last, plan.back[of])),
@@ -517,7 +519,7 @@ def _run(r: Reading, plan: Plan) -> Ints:
     r.found.append((at, note("subprogram-run", what, r.spans.at(at))))
     _tell_idle(r, plan, filled & ~done)
     w = w.without_words(plan.spent | ~done[w.line])
-    stray = w.stray[done[np.searchsorted(w.line_end, w.stray)]]
+    stray = w.stray[done[w.lines_at(w.stray)]]
     r.words = replace(w, stray=stray, skipped=w.skipped[done[w.skipped]])
     r.titles = r.titles[done[r.titles]]
     return order

@@ -12,7 +12,7 @@ from wedmcam.diag import FileSpan, Severity, error, note, warning
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.dialect import UNSAID
 from wedmcam.frontends.iso.lengths import MOST_NM, digit_nm, point_nm
-from wedmcam.frontends.iso.modes import Modes, Table
+from wedmcam.frontends.iso.modes import Modes, Table, answers
 from wedmcam.frontends.iso.reading import Reading, column, filled
 
 Ints = NDArray[np.int64]
@@ -41,7 +41,7 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         Severity.ERROR,
         "iso-d",
         both,
-        lambda i: "D and H both number offsets in this file: which of them counts is nowhere said",
+        lambda i: "D and H both number offsets in this file: the file does not say which counts",
         "leave one of them out",
     )
     if len(both):
@@ -77,21 +77,20 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
     d = filled(value, has, -1)
     used: list[int] = np.unique(d[r.words.line[offsets]]).tolist()
     first = int(np.argmax(offsets))
-    filed = _filed(r, tables.inches, (int(r.words.line[first]), int(r.words.start[first])))
+    line, at = int(r.words.line[first]), int(r.words.start[first])
+    filed = _filed(r, tables.inches, (line, at))
     if filed is None:
         return None
     table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
     missing = [n for n in used if n not in filed] if tables.given is None else []
     if letter == "D" and how.offset_word == "either" and 0 in used and table(0) is None:
         what = "D0 is read as no offset; at some machines it is an entry of the table like others"
-        at = int(np.argmax(offsets))
         hint = "--d 0=LENGTH says what is entered there"
-        place = r.spans[int(r.words.line[at])]
-        r.found.append((int(r.words.start[at]), warning("iso-offsets", what, place, hint=hint)))
+        r.found.append((at, warning("iso-offsets", what, r.spans[line], hint=hint)))
         table = _none_for_0(table)
         missing = [n for n in missing if n != 0]
     if missing:
-        given = " ".join(f"--d {abs(n)}={0.1 if n else 0:g}mm" for n in missing)
+        given = answers([abs(n) for n in missing])
         called = ", ".join(f"no {letter} at all" if n < 0 else f"{letter}{n}" for n in missing)
         r.tell_words(
             Severity.ERROR,
@@ -101,7 +100,10 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
             f"give what is entered at the controller: {given}",
         )
         return None
-    _tell_diameters(r, tables, filed, np.unique(d[d >= 0]).tolist(), letter)
+    counts = np.unique(d[d >= 0]).tolist()
+    # An offset that a drawing says is no entry.
+    entered = [n for n in counts if n in filed or not tables.assumed]
+    _tell_diameters(r, table, entered, letter)
     skewed = how.offset_change == "skewed"
     mm = r.machine.axes.step_um / 1000
     return Modes(filled(*comp, 40), comp[1], d, table, letter, skewed, mm)
@@ -117,20 +119,17 @@ def _none_for_0(table: Table) -> Table:
     return known
 
 
-def _tell_diameters(
-    r: Reading, tables: Tables, filed: dict[int, float], used: list[int], letter: str
-) -> None:
-    """Say what entries that are diameters mean; an offset that a drawing says is none."""
-    if r.machine.iso.offsets != "diameter":
+def _tell_diameters(r: Reading, table: Table, entered: list[int], letter: str) -> None:
+    """Say what entries that are diameters mean; ``table`` is the one that counts."""
+    factor = r.machine.iso.entry_factor
+    if factor == 1:
         return
-    given = None if tables.assumed else tables.given
-    offsets = [(n, (given(n) if given is not None else None) or filed.get(n)) for n in used]
     mm = r.machine.axes.step_um / 1000
     said = [
-        f"{letter}{n} = {2 * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm beside "
-        "the outline"
-        for n, um in offsets
-        if um
+        f"{letter}{n} = {factor * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm "
+        "beside the outline"
+        for n in entered
+        if (um := table(n))
     ]
     if said:
         r.found.append((0, note("iso-offsets", "; ".join(said), FileSpan(r.file), count=len(said))))
@@ -174,7 +173,7 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
         elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
             problem = "the file has inches and mm, and neither is in force here"
         elif entry.whole and digit is None:
-            problem = "a whole number in inches: what its last digit is stands nowhere"
+            problem = "a whole number in inches: the file does not say what its last digit is"
         elif nm.setdefault(entry.number, value) != value:
             problem = "the offset is set twice, to different values"
         elif value < 0 or value > MOST_NM:
@@ -189,8 +188,8 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
             r.found.append((entry.at, error("iso-d", text, place, hint=hint)))
             wrong = True
     r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
-    half = 2 if r.machine.iso.offsets == "diameter" else 1
-    return None if wrong else {n: float(v / 1000 / half) for n, v in nm.items()}
+    factor = r.machine.iso.entry_factor
+    return None if wrong else {n: float(v / 1000 / factor) for n, v in nm.items()}
 
 
 def _merged(
@@ -207,14 +206,14 @@ def _merged(
             continue
         entry = next(e for e in r.entries if e.number == n)
         place = r.spans.at(entry.at, entry.end - entry.at)
-        twice = step * (2 if r.machine.iso.offsets == "diameter" else 1)
-        what = f"{letter}{n} = {mine * twice:.4f} mm, of the table in the file"
+        unit = step * r.machine.iso.entry_factor
+        what = f"{letter}{n} = {mine * unit:.4f} mm, of the table in the file"
         if other is None or abs(other - mine) < 0.05:
             r.found.append((entry.at, note("iso-offsets", what, place)))
             continue
         which = "that of the drawing" if tables.assumed else "--d"
         wins = "the table of the file" if tables.assumed else "--d"
-        what += f"; {which} is {other * twice:.4f} mm: {wins} counts"
+        what += f"; {which} is {other * unit:.4f} mm: {wins} counts"
         hint = "see which is entered at the machine"
         r.found.append((entry.at, warning("iso-offsets", what, place, hint=hint)))
     own = {n: um for n, um in filed.items() if tables.assumed or entered.get(n) is None}

@@ -79,11 +79,15 @@ class Words:
         found: Ints = lines[(many >= 4) | ((many >= 2) & first)]
         return found
 
+    def lines_at(self, chars: Ints) -> Ints:
+        """Return the line of each of some characters."""
+        return np.searchsorted(self.line_end, chars)
+
     def without(self, lines: Ints) -> Words:
         """Return the words, and what belongs to none, of all lines but these."""
         gone = np.zeros(len(self.line_start), bool)
         gone[lines] = True
-        stray = self.stray[~gone[np.searchsorted(self.line_end, self.stray)]]
+        stray = self.stray[~gone[self.lines_at(self.stray)]]
         return replace(self.without_words(gone[self.line]), stray=stray)
 
     def without_words(self, gone: Bools) -> Words:

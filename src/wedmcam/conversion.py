@@ -13,7 +13,7 @@ was read for. Such a target proves what it claims by itself.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -142,6 +142,7 @@ def convert(
     entered.check(machine_in.format, written or "")
     stays = to not in TARGETS and target_of(api.machine_for(to, profile)).takes_gap
     found = [d for d in (_gap_asked(d, to == "svg", stays) for d in found_in) if d is not None]
+    found = [d if to == "svg" else _lost(d) for d in found]
 
     def ended(data: bytes | None = None, **more: Any) -> Conversion:
         values = {"made": None, "machine": None, "difference": None} | more
@@ -183,6 +184,14 @@ def _gap_asked(d: Diagnostic, shown: bool, stays: bool) -> Diagnostic | None:
     what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
     hint = "--gap 0.1mm --side part, as entered at the controller; --gap 0 for the outline itself"
     return error("no-gap", what, d.span, hint=hint)
+
+
+def _lost(d: Diagnostic) -> Diagnostic:
+    """Return a note on words that a reader leaves out as what it is for a conversion: a loss."""
+    if d.code != "iso-harmless":
+        return d
+    hint = "see to it at the machine"
+    return replace(d, code="not-carried", severity=Severity.WARNING, hint=hint)
 
 
 def _warned(found: list[Diagnostic]) -> bool:

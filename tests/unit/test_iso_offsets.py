@@ -608,3 +608,11 @@ def test_diameters_and_h_are_written_and_said(tmp_path):
         made.data, against=source, name="k.nc", offset=0.1, profile=machine, d=((3, 100.0),)
     )
     assert not wrong.ok
+
+
+def test_g92_in_compensation_is_refused():
+    """Whether it names the place of the outline or of the wire differs from control to control."""
+    text = TABLE.replace("Y10.0\n", "Y10.0\nG92 X0.0 Y0.0\n", 1)
+    program, found = iso(text)
+    assert program is None
+    assert "compensation-place" in codes(found)

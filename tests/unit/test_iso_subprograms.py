@@ -287,16 +287,18 @@ def test_a_motion_stands_before_the_call_of_an_o_number():
 
 
 def test_the_number_of_times_in_p_of_fanuc():
+    packed = replace(builtin("iso-mm"), iso=replace(builtin("iso-mm").iso, packed_calls=True))
     text = f"{HEAD}G91\nM98 P31234\nM02\nO1234\nG01 X1.0\nM99\n"
-    program, found = read(text, "O-number")
+    program, found = read(text, "O-number", profile=packed)
     assert ends(program) == [[1, 0], [2, 0], [3, 0]]
     assert "O1234 run 3 times" in found[-1].message
-    assert (
-        "holds the number of times"
-        in refused(text.replace("234\nM02", "234 L2\nM02"), "O-number").message
-    )
-    both = refused(text + "O31234\nM99\n", "O-number")
+    twice = refused(text.replace("234\nM02", "234 L2\nM02"), "O-number", profile=packed)
+    assert "holds the number of times" in twice.message
+    both = refused(text + "O31234\nM99\n", "O-number", profile=packed)
     assert "both O31234 and O1234" in both.message
+    # Others mean the number itself (LinuxCNC).
+    assert "no line opens with O31234" in refused(text, "O-number").message
+    assert ends(read(text + "O31234\nG01 X7.0\nM99\n", "O-number")[0]) == [[7, 0]]
 
 
 def test_calls_stand_with_a_semicolon_and_with_line_numbers():

@@ -60,7 +60,7 @@ def ends(program):
 )
 def test_harmless_words_are_one_note_with_what_they_do(line):
     (one,) = told(FRAME.format(line), profile=profile())
-    assert one[:2] == ("note", "iso-ignored")
+    assert one[:2] == ("note", "iso-harmless")
     for text in ("threads the wire", "feeds", "pumps and tank", "conditions", "shop"):
         assert text in one[2]
     assert "(2 times)" in one[2] or "M20, M020" in one[2] or "Ｍ２０ (2 times)" in one[2]
@@ -87,7 +87,7 @@ def test_refused_words_are_errors_in_the_words_of_the_profile(line, text):
 def test_a_dialect_is_a_white_list():
     program, found = read(FRAME.format("M50 S3\nT5 Q1"), profile=profile())
     assert sorted((str(d.severity), d.code) for d in found) == [
-        ("note", "iso-ignored"),
+        ("note", "iso-harmless"),
         ("warning", "unknown-word"),
         ("warning", "unknown-word"),
     ]
@@ -142,7 +142,7 @@ def test_the_reader_runs_every_code_that_a_profile_may_list(tenths):
 def test_only_a_profile_that_was_named_says_it():
     shipped = profile()
     _, found = read(FRAME.format("M20"), profile=shipped)
-    assert [d.code for d in found] == ["iso-ignored"]
+    assert [d.code for d in found] == ["iso-harmless"]
     assert [d.code for d in read(FRAME.format("M20"))[1]] == ["unknown-word"]
 
 
@@ -213,12 +213,18 @@ def test_g80_ends_the_motion_before(text, good):
     assert wrong(text, profile=free) == []
 
 
-@pytest.mark.parametrize(
-    "code", ["G17", "G61", "G61.1", "G64", "G64 P0.01", "G64 P.05 Q.01", "G94"]
-)
+@pytest.mark.parametrize("code", ["G17", "G61", "G61.1", "G64 P0.01", "G64 P.05 Q.01", "G94"])
 def test_modes_that_change_no_path(code):
     program, found = read(FRAME.format(code))
     assert {(str(d.severity), d.code) for d in found} == {("note", "iso-ignored")}
+    assert ends(program) == [[5, 0], [5, 5]]
+
+
+def test_a_machine_that_may_round_corners_is_warned_of():
+    """LinuxCNC's handbook: G64 without P rounds as far as the speed asks for."""
+    program, found = read(FRAME.format("G64"))
+    assert [(str(d.severity), d.code) for d in found] == [("warning", "iso-ignored")]
+    assert "may round corners" in found[0].message
     assert ends(program) == [[5, 0], [5, 5]]
 
 
@@ -458,3 +464,10 @@ def test_short_files_are_identified():
     for text in ("PLATE\nTHE END\nG01 X5.0\n", "HELLO X5\nG01\nWORLD\n", "A\nB\nC\n"):
         seen = identify(text.encode())
         assert seen is None or seen.format != "iso", text
+
+
+def test_a_bracket_that_is_open_is_an_error():
+    """Some controllers read on to the next bracket, and leave out the lines between."""
+    text = "G90 G21\nG92 X0.0 Y0.0\nG01 X5.0 (CUT Y3.0\nY5.0\nM02\n"
+    assert wrong(text) == ["iso-word"]
+    assert wrong(text.replace("Y3.0", "Y3.0)")) == []

@@ -776,9 +776,14 @@ CODES: dict[str, Code] = {
     ),
     "iso-ignored": Code(
         "An ISO word without an effect on the path: feed, generator, table, the number of the "
-        "program, a motion of length 0; or one that its profile calls harmless.",
+        "program, a motion of length 0.",
         "It is not in the program that is proven, nor in one that is converted.",
         "Nothing is needed; set these things at the machine.",
+    ),
+    "iso-harmless": Code(
+        "Words of an ISO program that change no path, as the profile of its machine says.",
+        "They are not in the program that is proven; a conversion loses them (`not-carried`).",
+        "Nothing is needed; what they do is to be seen to at another machine.",
     ),
     "iso-start": Code(
         "An ISO program cuts to a place first, and does not say where the wire stands before.",

@@ -136,6 +136,8 @@ class Iso:
             With it F is a word that is known where a program is read.
         arc_least_um: the controller refuses arcs of a smaller radius at start or end; they are
             written as lines. 0 for no such limit.
+        packed_calls: P of more than four digits holds how often a numbered program is run, and its
+            number: P51002 runs O1002 five times.
         modes: G codes of a line in front of G90 or G91, behind the header: the modes that the rest
             of a program depends on, whatever a controller was left in.
         feed_least_um: the controller cuts no slower than this, um a minute, whatever F says; 0 for
@@ -165,6 +167,7 @@ class Iso:
     start: str = "g92"
     feed_um: int = 0
     arc_least_um: int = 0
+    packed_calls: bool = False
     modes: str = ""
     feed_least_um: int = 0
     words: Vocabulary = field(default_factory=Vocabulary)

@@ -151,6 +151,7 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         "offset_change": _choice("refused", "skewed", formats=_ISO),
         "start": _choice("g92", "move", formats=_ISO),
         "feed_um": _whole(1, _UM, formats=_ISO),
+        "packed_calls": _Key(bool, "true or false", lambda v: True, formats=_ISO),
         "arc_least_um": _whole(1, 1000, formats=_ISO),
         "modes": _Key(
             str,

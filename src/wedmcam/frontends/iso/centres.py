@@ -14,10 +14,10 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.formats.iso import PER_CODE
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import fits
 from wedmcam.frontends.iso.reading import Reading, filled
-from wedmcam.machines.vocabulary import PER_CODE
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]

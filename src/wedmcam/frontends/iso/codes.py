@@ -35,16 +35,19 @@ def take_dwells(r: Reading) -> None:
     r.words = w.without_words(time)
 
 
-def take_tolerances(r: Reading) -> None:
+def take_tolerances(r: Reading) -> Bools:
     """Take P and Q behind G64 out: how far the machine may round the path (LinuxCNC), and no call.
 
     Up to `MOST_ROUNDED` it is how exactly the machine runs, as steps are; beyond it another path.
+
+    Returns:
+        The lines that say it.
     """
     w = r.words
     blends = (w.letter == ord("G")) & w.good & ~w.pointed & (w.whole == 64)
-    if not blends.any():
-        return
     here = np.zeros(r.lines, bool)
+    if not blends.any():
+        return here
     here[w.line[blends]] = True
     m = (w.letter == ord("M")) & w.good & ~w.pointed
     here[w.line[m & np.isin(w.whole, iso.SUBPROGRAMS)]] = False
@@ -55,6 +58,9 @@ def take_tolerances(r: Reading) -> None:
     why = f"G64 lets the machine round the path so far: above {MOST_ROUNDED} mm it is another one"
     r.tell_words(Severity.ERROR, "iso-code", far, why, "G61, or a smaller P")
     r.words = w.without_words(rounds)
+    stated = np.zeros(r.lines, bool)
+    stated[w.line[rounds]] = True
+    return stated
 
 
 def dotted_codes(r: Reading) -> Bools:

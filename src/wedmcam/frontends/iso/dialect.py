@@ -358,7 +358,7 @@ def of_repeats(words: Ints, w: Words, text: Plain) -> list[Question]:
         words,
         w,
         text,
-        "calls, repeats or ends a subprogram, and is not run",
+        "may call, repeat or end a subprogram (M97 to M99, L, P), and is not run",
         "the lines are run as they stand, once",
         "write the blocks of the subprogram in the place of its call, as the machine runs them",
     )

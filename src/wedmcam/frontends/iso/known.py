@@ -118,7 +118,7 @@ def _tell_harmless(
     at, end = int(w.start[every[0]]), int(w.end[every[0]])
     what = f"{'; '.join(said)} (left out, as the profile {r.machine.name} says)"
     place = r.spans.at(at, end - at)
-    one_note = Diagnostic(Severity.NOTE, "iso-ignored", what, place, count=len(every))
+    one_note = Diagnostic(Severity.NOTE, "iso-harmless", what, place, count=len(every))
     r.found.append((at, one_note))
 
 

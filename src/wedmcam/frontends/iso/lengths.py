@@ -70,7 +70,11 @@ def lengths_of(
         _ask_units(r, inches, in_inch, used, stop_line)
     if said.is_open(None, "integers") or said.whole_nm is not None:
         return out
-    for inch, system, answer in ((1, "inches", "0.0001in"), (0, "mm", "um")):
+    units = how.integers in ("mm", "inch")  # a controller that counts units in one system
+    for inch, system, answer in (
+        (1, "inches", "inch" if units else "0.0001in"),
+        (0, "mm", "mm" if units else "um"),
+    ):
         of = [k for k in (inch, UNSAID) if digit_nm(r, k) is None and (k == inch or inch == 1)]
         mixed = bare & np.isin(inches, of)
         r.tell_lines(

@@ -42,7 +42,7 @@ from wedmcam.frontends.iso.codes import (
 from wedmcam.frontends.iso.dialect import UNSAID, Dialect
 from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who_knows
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
-from wedmcam.frontends.iso.modes import Modes, Runs, Table, runs_of
+from wedmcam.frontends.iso.modes import OFF, Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
 from wedmcam.frontends.iso.subprograms import STYLES, calls_of, ends_of, order_of
 from wedmcam.frontends.iso.table import Tables, modes_of
@@ -147,9 +147,10 @@ def read(
     if order is not None:
         r.run_in(order)
     take_dwells(r)
-    take_tolerances(r)
+    stated = take_tolerances(r)
     classes = take_known(r)
     w = r.words
+    blends = stated[w.line]
     g, m = w.letter == ord("G"), w.letter == ord("M")
     whole = w.good & ~w.pointed & (w.whole >= 0)
     err = Severity.ERROR
@@ -202,12 +203,15 @@ def read(
     work = g & (code >= 53) & (code <= 59)
     known = work | g & ((code <= 3) | np.isin(code, (90, 91, 92)) | inch | comp)
     idle = g & np.isin(code, iso.NOTHING_NEW)
+    rounds = g & (code == 64) & ~blends
     work_idle = work & ~moving_frames(r, work)
     places = rule & (code == 901)
-    quiet = (idle | dotted | rule | work_idle) & ~places
+    quiet = (idle | dotted | rule | work_idle) & ~places & ~rounds
     why = "I and J are the place of the centre from here on"
     r.tell_words(Severity.NOTE, "iso-ignored", places, why)
     r.tell_words(Severity.NOTE, "iso-ignored", quiet, "nothing of the path changes by it")
+    why = "the machine may round corners; the path is read as if it did not"
+    r.tell_words(Severity.WARNING, "iso-ignored", rounds, why, "G61, or G64 with a small P")
     unknown = g & ~known & ~idle
     r.tell_words(
         err,
@@ -217,8 +221,7 @@ def read(
         who_knows(
             r,
             unknown,
-            "known are G00 to G04, G17, G20, G21, G40 to G42, G54 to G59, G70, G71, G80, "
-            "G90 to G92",
+            f"known are {iso.KNOWN}",
         ),
     )
     axes = {k: column(r, k) for k in "XYIJR"}
@@ -284,6 +287,13 @@ def _tell_text(r: Reading) -> None:
         # No profile says what stands behind a semicolon, but for lines that it writes itself.
         own = r.machine.layout if r.dialect.named else None
         r.questions += dialects.of_semicolons(w, r.plain, own)
+    for a, b in w.comments:
+        if r.plain.codes[a] == ord("(") and r.plain.codes[b - 1] != ord(")"):
+            what = (
+                f"{r.plain.excerpt(a, b)}: the bracket is not closed: where the text ends differs"
+            )
+            hint = "close it on this line: some controllers read on to the next bracket"
+            r.found.append((a, error("iso-word", what, r.spans.at(a, b - a), hint=hint)))
     texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
     for a, b in texts[:1]:
         many = f" ({len(texts)} comments)" if len(texts) > 1 else ""
@@ -294,7 +304,7 @@ def _tell_text(r: Reading) -> None:
         "iso-word",
         r.titles,
         lambda i: (
-            f"line {int(r.titles[i]) + 1} is text, no ISO words: "
+            f"line {r.spans.at(int(w.line_start[r.titles[i]])).line} is text, no ISO words: "
             f"{r.plain.excerpt(int(w.line_start[r.titles[i]]), int(w.line_end[r.titles[i]]))}"
         ),
         "put text into brackets: (TITLE); or remove the line",
@@ -346,9 +356,16 @@ def _program(
     places = _places(nm, lines, distance, moves)
     starts_nm, ends_nm = places.starts, places.ends
     rows = np.flatnonzero(moves & (np.arange(r.lines) <= stop_line) & (motion >= 0))
-    _tell_start(r, rows[:1], motion, distance, reset)
+    _tell_start(r, rows[:1], lines, distance)
     runs = None
     if modes is not None:
+        r.tell_lines(
+            Severity.ERROR,
+            "compensation-place",
+            np.flatnonzero(reset & (modes.code != OFF) & (np.arange(r.lines) <= stop_line)),
+            lambda i: "G92 while compensation is on: of the outline or of the wire, differs",
+            "G40 in front of G92",
+        )
         still = np.ones(len(rows), bool)
         for k in "XY":
             still &= grid(starts_nm[k][rows]) == grid(ends_nm[k][rows])
@@ -463,14 +480,15 @@ def _kinds(r: Reading, m_rows: Ints, ends: tuple[int, ...], stop_line: int) -> I
     return kinds
 
 
-def _tell_start(r: Reading, first: Ints, motion: Ints, distance: Ints, reset: Bools) -> None:
+def _tell_start(r: Reading, first: Ints, lines: Lines, distance: Ints) -> None:
     """Say from where a program is cut that goes to a place first, and says no start before."""
-    cuts = first[(motion[first] > 0) & (distance[first] == 90)]
+    goes = (lines.motion[first] > 0) | (r.machine.iso.start == "move")
+    cuts = first[goes & (distance[first] == 90)]
     r.tell_lines(
         Severity.NOTE,
         "iso-start",
-        cuts[~np.cumsum(reset)[cuts].astype(bool)],
-        lambda i: "a cut to a place, and no G92 stands before it: taken to start at X0 Y0",
+        cuts[~np.cumsum(lines.reset)[cuts].astype(bool)],
+        lambda i: "no G92, and no G00 to X and Y, stands before this: taken to start at X0 Y0",
         "G92 with the place where the wire stands, in front of the first cut",
     )
 

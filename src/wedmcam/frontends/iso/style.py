@@ -50,11 +50,15 @@ def style_of(codes: bytes, offset_word: str = "", ended: bool = False) -> str:
     'profile that knows its words: sodick (C001, M98, M99, T84)'
     >>> style_of(b"%\nL002\nN5 G90\n", offset_word="H")
     'profile that knows its words: mitsubishi (L002)'
+    >>> style_of(b"G21 G17 G40 G80 G61 G91.1 G94\nG90\n")
+    'profiles that open programs so: grbl and linuxcnc'
     >>> style_of(b"G01 X5.0\nM02\n")
     ''
     """
     if len(codes) > _HEAD + _TAIL:
         codes = codes[:_HEAD] + b"\n" + codes[-_TAIL:]
+    if opens := iso_profiles(lambda m: _opens(codes, m.iso.modes)):
+        return f"profiles that open programs so: {' and '.join(opens)}"
     words = _words(codes)
     if not words:
         return ""
@@ -85,6 +89,11 @@ def style_of(codes: bytes, offset_word: str = "", ended: bool = False) -> str:
     rest = f" and {more} more" if more else ""
     what = "profile that knows its words" if len(of) == 1 else "profiles that know its words"
     return f"{what}: {' and '.join(of)} ({', '.join(shown)}{rest})"
+
+
+def _opens(codes: bytes, modes: str) -> bool:
+    """Return whether the modes of a profile stand in a text: three and more are no chance."""
+    return modes.count(" ") > 1 and modes.encode() in codes
 
 
 def lines_end(codes: bytes) -> bool:

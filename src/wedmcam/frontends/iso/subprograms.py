@@ -256,8 +256,9 @@ def _target(r: Reading, plan: Plan, whole: Bools) -> list[_Fault]:
     if plan.style == "O-number":
         plan.spent[plan.row] = True
         # P51002: O1002 five times [B-64124EN 12.3].
-        packed = (p >= 10_000) & ~np.isin(p, known)
-        both = (p >= 10_000) & np.isin(p, known) & np.isin(p % 10_000, known)
+        may_pack = (p >= 10_000) & r.machine.iso.packed_calls
+        packed = may_pack & ~np.isin(p, known)
+        both = may_pack & np.isin(p, known) & np.isin(p % 10_000, known)
         times = np.where(packed, p // 10_000, times)
         p = np.where(packed, p % 10_000, p)
     plan.times = times

@@ -12,7 +12,8 @@ from wedmcam.ir.plan import Cut, Side
 from wedmcam.judge import survey as survey_module
 from wedmcam.judge.bounds import bound
 from wedmcam.judge.deviation import measure
-from wedmcam.judge.judge import _follow, judge
+from wedmcam.judge.followed import tracked as follow_blocks
+from wedmcam.judge.judge import judge
 from wedmcam.judge.route import plan_route
 from wedmcam.judge.runs import assign, runs
 from wedmcam.judge.walk import walk
@@ -39,7 +40,7 @@ def tracked(plan, program, table):
     cuts = [plan.cuts[a.cut] for a in assigned]
     route = plan_route(cuts)
     index = np.concatenate([a.index for a in assigned])
-    t = _follow(way, route, assigned)
+    t = follow_blocks(way, route, assigned)
     done = ~np.isnan(t.high)
     return way, index[done], t.low[done], t.high[done], route
 
@@ -89,7 +90,7 @@ def test_figures_are_those_of_measuring_everything(name, table, monkeypatch):
     few, found_few = judge(program, plan, stepping=of_table(table))
     whole = survey_module.everything
     monkeypatch.setattr(
-        "wedmcam.judge.judge.survey",
+        "wedmcam.judge.followed.survey",
         lambda way, index, low, high, lead, route, kept, a, b: whole(
             way, index, low, high, route, kept
         ),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from wedmcam import api
-from wedmcam.judge.judge import _meeting
+from wedmcam.judge.ends import meeting
 
 PHASES = [(x, y) for x in (-0.4, 0.0, 0.4) for y in (-0.4, 0.0, 0.4)]
 
@@ -53,17 +53,17 @@ def test_where_a_contour_meets_its_start():
     """A place that is passed twice counts before one that is nearer; another contour does not."""
     at = np.array([-50.0, 0.3, 500.0, 999.2, 1000.4, 1050.0])
     closed = np.array([(0, 50), (0, 0), (300, 0), (0, -1), (0, 0), (0, 50)])
-    assert _meeting(closed, at, 0.0, 1000.0, 2.0) == (1, 4)
+    assert meeting(closed, at, 0.0, 1000.0, 2.0) == (1, 4)
     at[3], at[4] = 999.9, 1001.5
-    assert _meeting(closed, at, 0.0, 1000.0, 2.0) == (1, 4)
+    assert meeting(closed, at, 0.0, 1000.0, 2.0) == (1, 4)
     open_ = closed.copy()
     open_[4] = (1, 0)
-    assert _meeting(open_, at, 0.0, 1000.0, 2.0) == (1, 3)
+    assert meeting(open_, at, 0.0, 1000.0, 2.0) == (1, 3)
     at[4] = 1003.0  # too far from the end of the path to be where it closes
-    assert _meeting(closed, at, 0.0, 1000.0, 2.0) == (1, 3)
+    assert meeting(closed, at, 0.0, 1000.0, 2.0) == (1, 3)
 
 
 def test_a_tiny_path_is_not_closed_by_its_own_start():
     at = np.array([-50.0, 0.2, 3.0, 53.0])
     places = np.array([(0, 50), (0, 0), (1, 0), (0, 50)])
-    assert _meeting(places, at, 0.0, 3.0, 2.0) == (1, 2)
+    assert meeting(places, at, 0.0, 3.0, 2.0) == (1, 2)

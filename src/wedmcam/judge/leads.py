@@ -9,8 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from wedmcam.diag import error
+from wedmcam.ir.plan import outline_numbers
 from wedmcam.ir.program import Role
+from wedmcam.judge.followed import Followed
+from wedmcam.judge.measured import Measured
 from wedmcam.judge.route import Route
+from wedmcam.judge.runs import mm
 from wedmcam.judge.segments import (
     Ints,
     Segments,
@@ -27,6 +32,25 @@ from wedmcam.judge.segments import (
 MEETS = 1e-3
 #: So near to its own path a lead has arrived, um: what it meets there lies in one kerf.
 ARRIVES = 10.0
+
+
+def meet_no_cut(f: Followed) -> Measured:
+    """Report the first place at which leads of a cut meet another cut."""
+    found = [
+        error(
+            "lead-hits",
+            f"a lead of cut {a + 1} meets cut {b + 1} at {mm(x, y, f.per)} mm",
+            points_mm=((x / f.per, y / f.per),),
+            hint="a lead may run in scrap only, and meet no other cut",
+        )
+        for a, b, x, y in hits(
+            f.route,
+            np.array([a.cut for a in f.assigned]),
+            np.array(outline_numbers(f.plan.cuts)),
+            np.array(f.plan.plates),
+        )
+    ]
+    return Measured(found)
 
 
 def hits(

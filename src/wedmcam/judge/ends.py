@@ -1,0 +1,238 @@
+"""Measure: each cut starts, pauses, closes and ends where the plan says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, Severity, error, note
+from wedmcam.ir.plan import Cut
+from wedmcam.ir.program import Kind
+from wedmcam.judge.followed import Followed, last_row, places, where_it_ends
+from wedmcam.judge.measured import Measured
+from wedmcam.judge.runs import Assigned, mm, span_of
+from wedmcam.judge.segments import Floats, Ints
+from wedmcam.judge.track import LOST
+from wedmcam.judge.walk import Walk
+
+#: How far from the asked length of the stop the pause may be, um: it is rounded to the micron, and
+#: a vertex next to it may be taken for it.
+STOP_ROOM = 5.0
+
+#: A recomputed end may miss by the rounding of its own formula: what closes a contour of a
+#: controller that recomputes arc ends, um (ours: no source has it).
+TEXTBOOK_CLOSURE = 2.0
+
+#: How far an open cut may end from the end of its path, um: that is rounded, and an arc may end one
+#: off.
+OPEN_END = 1.5
+
+
+def closes(f: Followed) -> Measured:
+    """Report where cuts end, close and pause elsewhere than planned."""
+    findings: list[Diagnostic] = []
+    closures: list[float | None] = []
+    for k in range(len(f.assigned)):
+        closure, found = _ends(f, k)
+        closures.append(closure)
+        findings.extend(found)
+    return Measured(findings, closures=tuple(closures))
+
+
+def moves_on(f: Followed) -> Measured:
+    """Report a last move that leads away from where the plan ends."""
+    moves = np.flatnonzero(f.way.blocks["kind"] == Kind.MOVE)
+    last = last_row(f.way)
+    if not len(moves) or moves[-1] < last:
+        return Measured([])
+    row = int(moves[-1])
+    if (f.way.end[row] == f.way.end[last]).all():
+        return Measured([])
+    text = "moves on behind the last cut: the program does not end where the plan ends"
+    found = [f.block_error("thread-point", row, text)]
+    return Measured(found if f.terms.strict_order else as_notes(found))
+
+
+def _ends(f: Followed, k: int) -> tuple[float | None, list[Diagnostic]]:
+    """Return the closure of one cut, and report its ends and its pauses."""
+    a, cut = f.assigned[k], f.cuts[k]
+    rows = slice(int(f.first[k]), int(f.first[k + 1]))
+    findings: list[Diagnostic] = []
+    high = f.track.high[rows]
+    if np.isnan(high).any():
+        return None, findings  # lost: reported
+    last = int(a.index[-1])
+    end = f.way.end[last]
+    limit = TEXTBOOK_CLOSURE if f.count == "textbook" else 0.0
+    if high[-1] < f.route.high[k] - LOST:
+        left = float(f.route.high[k] - high[-1]) / f.per
+        findings.append(
+            f.block_error(
+                "missing-piece",
+                last,
+                f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end"
+                + where_it_ends(f.way, last),
+            )
+        )
+    elif wrong := _wrong_end(f, a, cut, end, limit):
+        if tuple(end.tolist()) != cut.thread:
+            wrong += where_it_ends(f.way, last)
+        findings.append(f.block_error("thread-point", last, wrong))
+    if f.terms.fitted and not cut.path.closed:
+        findings.extend(_loose_start(f, a, cut))
+    pauses = _pauses(f, k, high)
+    findings.extend(pauses if f.terms.strict_order else as_notes(pauses))
+    if not f.route.closed[k]:
+        return None, findings
+    stands = np.concatenate([f.way.start[a.index[:1]], f.way.end[a.index]])
+    at = np.concatenate([f.track.low[rows][:1], high])
+    p0, p1 = meeting(
+        stands, at, float(f.route.path_low[k]), float(f.route.path_high[k]), f.terms.path_limit_um
+    )
+    off = abs(at[p0] - f.route.path_low[k])
+    if a.closing < 0:
+        off = max(off, abs(at[p1] - f.route.path_high[k]))
+    block = int(a.index[max(p1 - 1, 0)])
+    if off > LOST:
+        findings.append(
+            f.block_error(
+                "not-closed",
+                block,
+                f"is the last before the end of cut {a.cut + 1}, but no block ends where the "
+                f"contour closes ({off / f.per:.3f} mm off)",
+            )
+        )
+        return None, findings
+    closure = float(np.hypot(*(stands[p1] - stands[p0])))
+    if a.closing >= 0:
+        block = int(a.index[a.closing])
+        closure, limit = _passed(f.way, block, stands[p0]), f.terms.path_limit_um
+    if closure > limit:
+        x, y = stands[p0]
+        findings.append(
+            f.block_error(
+                "not-closed",
+                block,
+                f"ends cut {a.cut + 1} {closure / f.per:.4f} mm from where it started "
+                f"({mm(x, y, f.per)} mm)",
+            )
+        )
+    elif closure > 0 and a.closing < 0:
+        findings.append(
+            note(
+                "not-closed",
+                f"cut {a.cut + 1} closes within {closure / f.per:.4f} mm on a controller "
+                "that recomputes arc ends",
+            )
+        )
+    return closure, findings
+
+
+def _wrong_end(f: Followed, a: Assigned, cut: Cut, end: Ints, limit: float) -> str:
+    """Return what is wrong with the place at which a cut ends; empty where nothing is."""
+
+    def off(x: float, y: float) -> float:
+        return float(np.hypot(end[0] - x, end[1] - y))
+
+    threaded = f.way.start[int(a.index[0])]
+    place = cut.thread if f.terms.strict_order else threaded
+    where = mm(float(place[0]), float(place[1]), f.per)
+    back = f"does not return to the thread point {where} mm of cut {a.cut + 1}"
+    if cut.path.closed:
+        there = off(*cut.thread) <= limit
+        if not f.terms.strict_order:
+            there = off(*threaded) <= limit or (there and not f.terms.fitted)
+        return "" if there else back
+    v = cut.path.vertices[[-1]] if f.terms.strict_order else cut.path.vertices[[0, -1]]
+    apart = min(off(x, y) for x, y in zip(v["x"].tolist(), v["y"].tolist(), strict=True))
+    if apart <= OPEN_END or (not f.terms.strict_order and off(*threaded) <= limit):
+        return ""
+    return f"ends {apart / f.per:.3f} mm from the end of the path of cut {a.cut + 1}"
+
+
+def _loose_start(f: Followed, a: Assigned, cut: Cut) -> list[Diagnostic]:
+    """Report an open cut that is threaded elsewhere, where nothing else ties its start."""
+    (x, y), (tx, ty) = f.way.start[int(a.index[0])].tolist(), cut.thread
+    if (x, y) == (tx, ty):
+        return []
+    return [
+        error(
+            "thread-point",
+            f"cut {a.cut + 1} is open and threaded at {mm(x, y, f.per)} mm, not at "
+            f"{mm(tx, ty, f.per)} mm, and it is not known where the program starts",
+            span_of(f.program, int(a.index[0])),
+            hint="state --origin",
+            points_mm=((x / f.per, y / f.per),),
+        )
+    ]
+
+
+def _pauses(f: Followed, k: int, high: Floats) -> list[Diagnostic]:
+    """Report a pause that is missing, too many, or elsewhere."""
+    a, cut = f.assigned[k], f.cuts[k]
+    at = [float(high[p - 1]) for p in a.pauses]
+    wanted = float(f.route.path_high[k]) - cut.stop_um
+    if cut.stop_um <= 0 or cut.stop_um >= f.route.path_high[k] - f.route.path_low[k]:
+        wanted = float("nan")
+    findings = []
+    hits = [abs(one - wanted) <= STOP_ROOM for one in at]
+    for p, hit in zip(a.pauses, hits, strict=True):
+        if not hit:
+            findings.append(
+                f.block_error(
+                    "stop-point",
+                    int(a.index[p - 1]),
+                    f"is followed by a pause in the middle of cut {a.cut + 1}, where none is "
+                    "asked for",
+                )
+            )
+    if not np.isnan(wanted) and sum(hits) != 1:
+        x, y = places(f.route, np.array([wanted]))[0]
+        findings.append(
+            error(
+                "stop-point",
+                f"cut {a.cut + 1} has {sum(hits)} pauses {cut.stop_um / f.per:.3f} mm "
+                f"before its end, at {mm(x, y, f.per)} mm; one is asked for",
+                span_of(f.program, int(a.index[-1])),
+                points_mm=((float(x) / f.per, float(y) / f.per),),
+            )
+        )
+    return findings
+
+
+def as_notes(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return findings as notes: of a program from elsewhere, whose order and leads are its own."""
+    return [replace(d, severity=Severity.NOTE) for d in findings]
+
+
+def meeting(places: Ints, at: Floats, low: float, high: float, room: float) -> tuple[int, int]:
+    """Return at which of the places of a cut its contour begins, and at which it closes.
+
+    Where blocks are no longer than what rounding moves their ends (a stop or an overcut of a step
+    or two) the nearest along the path may be a neighbour: of those within ``room`` of both ends of
+    the path, one place that was passed twice, a whole contour apart, is where it closes.
+
+    Args:
+        places: where blocks begin and end, steps, shape (n, 2).
+        at: how far along the route these are.
+        low, high: where on it the contour begins and ends.
+        room: how far along the route a place may be from where it was to be.
+    """
+    starts, ends = np.abs(at - low), np.abs(at - high)
+    # The last of several that stand there.
+    first, last = int(np.argmin(starts)), len(at) - 1 - int(np.argmin(ends[::-1]))
+    if high - low > 4.0 * room and (places[first] != places[last]).any():
+        a, b = np.flatnonzero(starts <= room), np.flatnonzero(ends <= room)
+        i, j = np.nonzero((places[a][:, None] == places[b][None]).all(axis=2))
+        if len(i):
+            best = int(np.argmin(starts[a[i]] + ends[b[j]]))
+            return int(a[i[best]]), int(b[j[best]])
+    return first, last
+
+
+def _passed(way: Walk, row: int, place: Ints) -> float:
+    """Return how near a block comes to a place that it passes, um."""
+    x, y, _ = way.points(np.array([row]))
+    return float(np.hypot(x - place[0], y - place[1]).min())

@@ -1,0 +1,236 @@
+"""A program laid along the plan's routes, once: the record that all measures of the judge read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, error
+from wedmcam.ir.plan import Cut, Material, Plan
+from wedmcam.ir.program import Program, Role
+from wedmcam.judge.clearance import as_left
+from wedmcam.judge.material import Kept, kept_material
+from wedmcam.judge.route import Route, plan_route
+from wedmcam.judge.runs import Assigned, assign, mm, per_mm, runs, span_of
+from wedmcam.judge.segments import Bools, Floats, Ints, points_at
+from wedmcam.judge.survey import Survey, survey
+from wedmcam.judge.track import Track, track
+from wedmcam.judge.verdict import Count
+from wedmcam.judge.walk import Walk
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """What a program is held to; see `judge.judge`. Lengths are steps of the machine."""
+
+    path_limit_um: float
+    gouge_limit_um: float
+    trimmed: bool
+    strict_order: bool
+    fitted: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """One piece of material, and the cuts whose wire is held against it.
+
+    Attributes:
+        material: as the plan has it.
+        own: for each cut of the route, whether it is one of them.
+        kept: what of it is to stay.
+    """
+
+    material: Material
+    own: Bools
+    kept: Kept
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Followed:
+    """One program, as one machine steps it, along the routes of one plan.
+
+    Attributes:
+        program, plan, terms, way, count: what is judged; lengths in steps.
+        assigned: the blocks of each cut of the route.
+        cuts: of the plan, one an entry of ``assigned``.
+        backwards: whether the program runs each against the plan's sense.
+        route: the planned way through all of them.
+        index: rows of the program that cut, in order.
+        cut_of: for each, the entry of ``assigned``.
+        first: where in ``index`` each entry begins, and one past the last.
+        track: where on the route each row begins and ends.
+        done: rows that were not lost.
+        lead: rows on a lead.
+        held: the material.
+        survey: the extremes of all rows, the first material being kept.
+        deviation: of each row from the route; NaN where it was lost.
+    """
+
+    program: Program
+    plan: Plan
+    terms: Terms
+    way: Walk
+    count: Count
+    assigned: list[Assigned]
+    cuts: list[Cut]
+    backwards: list[bool]
+    route: Route
+    index: Ints
+    cut_of: Ints
+    first: Ints
+    track: Track
+    done: Bools
+    lead: Bools
+    held: list[Held]
+    survey: Survey
+    deviation: Floats
+
+    @property
+    def per(self) -> float:
+        """How many steps go to a mm."""
+        return per_mm(self.program)
+
+    def block_error(self, code: str, row: int, text: str) -> Diagnostic:
+        """Return an error on a block, with where it ends."""
+        x, y = (int(v) for v in self.way.end[row])
+        return error(
+            code,
+            f"block {row + 1} {text}; it ends at {mm(x, y, self.per)} mm",
+            span_of(self.program, row),
+            points_mm=((x / self.per, y / self.per),),
+        )
+
+    def surveyed(self, kept: Kept | None) -> Survey:
+        """Return the extremes of all rows with a piece of material being kept."""
+        return _surveyed(
+            self.way, self.index, self.track, self.done, self.lead, self.route, kept, self.terms
+        )
+
+
+def follow(
+    program: Program, plan: Plan, terms: Terms, way: Walk, count: Count
+) -> tuple[Followed | None, list[Diagnostic]]:
+    """Return a program along its plan, or None where nothing of it belongs to the plan.
+
+    Args:
+        program, plan: in steps of the machine.
+        terms: what it is held to.
+        way: what the machine does.
+        count: see `judge.judge`.
+    """
+    if terms.strict_order:
+        assigned, found = assign(program, runs(way), plan.cuts)
+        cuts = [plan.cuts[a.cut] for a in assigned]
+        backwards = [False] * len(cuts)
+        route = plan_route(cuts) if cuts else None
+    else:
+        from wedmcam.judge.match import match
+
+        assigned, cuts, route, backwards, found = match(way, program, plan)
+    if route is None:
+        return None, found
+    index = np.concatenate([a.index for a in assigned])
+    cut_of = np.repeat(np.arange(len(assigned)), [len(a.index) for a in assigned])
+    t = tracked(way, route, assigned)
+    done = ~np.isnan(t.high)
+    closed = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
+    held = []
+    for material in plan.materials:
+        own = closed & np.array([material.holds(c) for c in cuts], bool)
+        held.append(Held(material, own, kept_material(as_left(material), route, own)))
+    role = _roles(route, t)
+    lead = np.zeros(len(index), bool)
+    lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)
+    m = _surveyed(way, index, t, done, lead, route, held[0].kept if held else None, terms)
+    deviation = np.full(len(index), np.nan)
+    deviation[done] = m.deviation
+    first = np.searchsorted(cut_of, np.arange(len(assigned) + 1))
+    return (
+        Followed(
+            program=program,
+            plan=plan,
+            terms=terms,
+            way=way,
+            count=count,
+            assigned=assigned,
+            cuts=cuts,
+            backwards=backwards,
+            route=route,
+            index=index,
+            cut_of=cut_of,
+            first=first,
+            track=t,
+            done=done,
+            lead=lead,
+            held=held,
+            survey=m,
+            deviation=deviation,
+        ),
+        found,
+    )
+
+
+def _surveyed(
+    way: Walk,
+    index: Ints,
+    t: Track,
+    done: Bools,
+    lead: Bools,
+    route: Route,
+    kept: Kept | None,
+    terms: Terms,
+) -> Survey:
+    return survey(
+        way,
+        index[done],
+        t.low[done],
+        t.high[done],
+        lead[done],
+        route,
+        kept,
+        terms.path_limit_um,
+        terms.gouge_limit_um,
+    )
+
+
+def tracked(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:
+    """Return where on the route all blocks of all cuts begin and end."""
+    count = np.array([len(a.index) for a in assigned])
+    index = np.concatenate([a.index for a in assigned])
+    head = np.cumsum(count + 1) - (count + 1)
+    is_start = np.zeros(len(index) + len(assigned), bool)
+    is_start[head] = True
+    places = np.empty((len(is_start), 2))
+    places[is_start] = way.start[[int(a.index[0]) for a in assigned]]
+    places[~is_start] = way.end[index]
+    length = np.zeros(len(is_start))
+    length[~is_start] = way.lengths()[index]
+    cut = np.repeat(np.arange(len(assigned)), count + 1)
+    return track(route, places[:, 0].copy(), places[:, 1].copy(), length, cut)
+
+
+def _roles(route: Route, t: Track) -> Ints:
+    """Return the role of each block: that of the segment under the middle of its stretch."""
+    middle = np.nan_to_num((t.low + t.high) / 2.0)
+    segment = np.clip(np.searchsorted(route.at, middle, "right") - 1, 0, len(route.at) - 1)
+    return np.asarray(route.role[segment])
+
+
+def places(route: Route, at: Floats) -> Floats:
+    """Return points of the route at a progress, shape (n, 2)."""
+    segment = np.clip(np.searchsorted(route.at, at, "left") - 1, 0, len(route.at) - 1)
+    held = route.segments.take(segment)
+    x, y = points_at(held, at - route.at[segment])
+    return np.column_stack([x, y])
+
+
+def last_row(way: Walk) -> int:
+    """Return the row of the last block that cuts."""
+    return int(np.flatnonzero(way.cutting & (way.steps > 0))[-1])
+
+
+def where_it_ends(way: Walk, row: int) -> str:
+    """Return what it means that a block ends at a wrong place, if it is the last."""
+    return ": the program does not end where the plan ends" if row == last_row(way) else ""

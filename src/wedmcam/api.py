@@ -6,7 +6,7 @@ path is read here and nowhere deeper.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -86,6 +86,7 @@ def compile(
     name: str | None = None,
     output_name: str = "",
     options: Options | None = None,
+    observe: Callable[[str, Any], None] | None = None,
     **mm: Any,
 ) -> Compilation:
     """Compile a drawing and prove the program.
@@ -98,6 +99,7 @@ def compile(
         name: of the source in findings and certificate; the path by default.
         output_name: of the program in the certificate.
         options: everything else, in um.
+        observe: is called with the name and the value of each stage that came through.
         **mm: instead of ``options``, its fields in mm: offset=0.1, side="die", starts=[(0, 0)].
 
     Raises:
@@ -117,7 +119,7 @@ def compile(
         raise WrongUse(
             f"{', '.join(options.reading)}: said of a program that is read, not compiled"
         )
-    run = Run(options.strict)
+    run = Run(options.strict, observe=observe)
     refused = planned_for(data, name, options, [machine], run)
     named = profile is not None
     return compile_plan(data, name, machine, options, run, output_name, refused, named=named)

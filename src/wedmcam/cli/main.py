@@ -22,6 +22,7 @@ from wedmcam.cli.files import (
     write_outputs,
 )
 from wedmcam.cli.lengths import POINT, length
+from wedmcam.cli.observer import Observer, dump_option
 from wedmcam.cli.pictures import check_picture, picture, say_nothing_written, write_refused
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
@@ -76,6 +77,7 @@ def cli() -> None:
     help="Write there what the machine needs: start holes, zero, what to do at each stop.",
 )
 @ask.feed_option
+@dump_option
 @ask.said_options
 def compile_command(
     input_: str,
@@ -86,6 +88,7 @@ def compile_command(
     map_: str | None,
     split: bool,
     sheet: str | None,
+    dump_after: tuple[str, ...],
     **asked: Any,
 ) -> int:
     """Source to program: the main job.
@@ -93,6 +96,11 @@ def compile_command(
     Nothing is written that was not decoded again, stepped on the controller and compared with the
     drawing.
     """
+    if dump_after and (output == "-" or asked["json_"] or split or (to is not None and "," in to)):
+        raise click.UsageError(
+            "--dump-after takes standard output, of one program: not with -o -, --json, --split or "
+            "many formats"
+        )
     if sheet is not None and (split or (to is not None and "," in to)):
         raise click.UsageError("--setup-sheet is for one program: not with --split or many formats")
     if to is not None and "," in to:
@@ -125,7 +133,7 @@ def compile_command(
         from wedmcam.cli.split import compile_split
 
         return compile_split(input_, machine, output, certificate, plot_, map_, feed, asked)
-    made, apart = _compiled(input_, machine, output, asked)
+    made, apart = _compiled(input_, machine, output, asked, Observer(dump_after))
     if not made.ok:
         drawn = plot_ is not None and write_refused(
             made, Path(_name(input_)).name, plot_, _name(input_)
@@ -173,16 +181,22 @@ def compile_command(
 )
 @ask.compile_options
 @ask.feed_option
+@dump_option
 @ask.said_options
-def check_command(input_: str, to: str | None, plot_: str | None, **asked: Any) -> int:
+def check_command(
+    input_: str, to: str | None, plot_: str | None, dump_after: tuple[str, ...], **asked: Any
+) -> int:
     """Everything but writing a program."""
     from wedmcam.cli import say
+
+    if dump_after and asked["json_"]:
+        raise click.UsageError("--dump-after takes standard output: not with --json")
 
     machine = ask.machine_of(asked["profile"], to)
     if plot_ is not None:
         check_outputs([input_, *also_read(click.get_current_context())], [plot_])
         check_picture(plot_)
-    made, apart = _compiled(input_, machine, "", asked)
+    made, apart = _compiled(input_, machine, "", asked, Observer(dump_after))
     if plot_ is not None:
         title = Path(_name(input_)).name
         if made.ok:
@@ -200,7 +214,7 @@ def check_command(input_: str, to: str | None, plot_: str | None, **asked: Any) 
 
 
 def _compiled(
-    input_: str, machine: Any, output: str, asked: dict[str, Any]
+    input_: str, machine: Any, output: str, asked: dict[str, Any], observer: Observer
 ) -> tuple[Any, dict[str, Any]]:
     """Compile and print the findings; with what --json adds of the other arithmetic."""
     from wedmcam import api
@@ -217,9 +231,13 @@ def _compiled(
             name=_name(input_),
             output_name=output,
             options=options,
+            observe=observer,
         )
+    observer.tell_stages(machine)
     texts: dict[str, str | bytes] = {_name(input_): data, **options.texts}
     say.say_findings(made.findings, _name(input_), asked["quiet"], texts)
+    if asked["verbose"]:
+        observer.tell_times()
     if not made.ok and asked["json_"] and output:
         say.say_json(made.summary)
     apart = {}

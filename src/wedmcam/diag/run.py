@@ -6,7 +6,7 @@ more runs: `Refused`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
@@ -33,15 +33,17 @@ class Run:
         found: the findings in the order in which they were made, of each kind as many as `capped`
             keeps.
         values: of the stages that came through, by their names, the last of each.
+        observe: is called with the name and the value of each stage that came through.
     """
 
     strict: bool = False
     found: list[Diagnostic] = field(default_factory=list)
     values: dict[str, Any] = field(default_factory=dict)
+    observe: Callable[[str, Any], None] | None = None
 
     def forked(self) -> Run:
         """Return a run that goes on from here, and leaves this one as it is."""
-        return Run(self.strict, list(self.found), dict(self.values))
+        return Run(self.strict, list(self.found), dict(self.values), self.observe)
 
     def __call__(self, stage: str, result: tuple[T | None, Iterable[Diagnostic]]) -> T:
         """Take a stage's findings over and return its value."""
@@ -49,6 +51,8 @@ class Run:
         self.add(stage, found)
         assert value is not None, f"{stage} returned nothing and said nothing"
         self.values[stage] = value
+        if self.observe is not None:
+            self.observe(stage, value)
         return value
 
     def add(self, stage: str, found: Iterable[Diagnostic]) -> None:

@@ -1,0 +1,56 @@
+"""What `--dump-after` and `-v` show of the stages of a compile: what each gave, and how long."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wedmcam.cli.tell import tell
+
+if TYPE_CHECKING:
+    from wedmcam.machines import Machine
+
+dump_option = click.option(
+    "--dump-after",
+    "dump_after",
+    type=click.Choice(["sketch", "contours", "plan", "program"]),
+    multiple=True,
+    help="Print what this stage gives, on standard output; repeat.",
+)
+
+
+class Observer:
+    """Keeps what was asked for of each stage, and the time since the one before."""
+
+    def __init__(self, stages: tuple[str, ...]) -> None:
+        from wedmcam.reports.stages import STAGES
+
+        self._shown = [(name, STAGES[name]) for name in dict.fromkeys(stages)]
+        self._values: dict[str, Any] = {}
+        self._seconds: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def __call__(self, stage: str, value: Any) -> None:
+        """Take a stage over; of one that runs several times the last value, and all its time."""
+        now = time.perf_counter()
+        self._seconds[stage] = self._seconds.get(stage, 0.0) + now - self._last
+        self._last = now
+        if any(stage == source for _, source in self._shown):
+            self._values[stage] = value
+
+    def tell_stages(self, machine: Machine) -> None:
+        """Print the stages that were asked for, as far as the compile came."""
+        from wedmcam.reports.stages import stage_text
+
+        for name, source in self._shown:
+            if source in self._values:
+                tell(stage_text(name, self._values[source], machine.stepping), nl=False)
+            else:
+                tell(f"{name}: the compile did not come so far", err=True)
+
+    def tell_times(self) -> None:
+        """Print how long each stage took."""
+        parts = ", ".join(f"{stage} {1000 * s:.0f}" for stage, s in self._seconds.items())
+        tell(f"stages     {parts} ms", err=True)

@@ -14,9 +14,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from wedmcam import conversion
 from wedmcam.frontends import decoder
 from wedmcam.machines import builtin, default
+from wedmcam.operations import convert as conversion
 
 GOLDEN = Path(__file__).parents[1] / "tests" / "golden" / "gear-24.3b"
 #: What the G-code is written and read in: increments, whole um.

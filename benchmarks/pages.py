@@ -266,9 +266,9 @@ def codes_page(shown: dict[str, dict[str, str]]) -> str:
 def profiles_page() -> str:
     """Return docs/profiles.md."""
     from wedmcam import machines
-    from wedmcam.machines.printed import Entry, about, entries, section_types
-    from wedmcam.machines.profile import FORMATS
+    from wedmcam.machines.read import FORMATS
     from wedmcam.machines.vocabulary import Vocabulary
+    from wedmcam.machines.write import Entry, about, entries, section_types
 
     lines = [
         "# Profiles",

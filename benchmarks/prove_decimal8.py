@@ -32,7 +32,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import bench_decimal8
 
 from wedmcam.decimal8 import Decimal8Array, hypot
-from wedmcam.decimal8.form import HIGH, LOW
+from wedmcam.decimal8.number_format import HIGH, LOW
 
 EIGHT = decimal.Context(prec=8, rounding=decimal.ROUND_HALF_UP, Emax=10**6, Emin=-(10**6))
 EXACT = decimal.Context(prec=3000, Emax=10**9, Emin=-(10**9))

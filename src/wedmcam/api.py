@@ -212,7 +212,7 @@ def _understood(plan: Plan | None) -> Understanding | None:
 
 def source_map(made: Compilation) -> dict[str, Any]:
     """Return which block was drawn by what, as plain data (docs/map.md)."""
-    from wedmcam.source_map import source_map as map_of
+    from wedmcam.reports.source_map import source_map as map_of
 
     if not made.ok or made.lowered is None or made.program is None:
         raise WrongUse("a map is of a proven program")
@@ -233,7 +233,7 @@ def arithmetic_difference(made: Compilation, source: Source) -> float | None:
     >>> arithmetic_difference(made, path)  # doctest: +SKIP
     0.0027
     """
-    from wedmcam.comparison import difference_um
+    from wedmcam.operations.arithmetics import difference_um
 
     if made.drawn is None or made.plan is None:
         return None
@@ -309,7 +309,7 @@ def starts_of(machine: Machine) -> dict[str, Any]:
     """Return what a certificate says of a machine beside its own, where starts are placed."""
     found: dict[str, Any] = {"starts_of": machine.name}
     if not _is_builtin(machine):
-        from wedmcam.machines.printed import as_toml
+        from wedmcam.machines.write import as_toml
 
         found["starts_of_toml"] = as_toml(machine)
     return found
@@ -406,7 +406,7 @@ def _summary(
             "sha256": {"input": fingerprint(data)},
         }
     from wedmcam.judge.certificate import certificate
-    from wedmcam.machines.printed import fingerprint as profile_fingerprint
+    from wedmcam.machines.write import fingerprint as profile_fingerprint
 
     result = certificate(
         verdict,
@@ -429,7 +429,7 @@ def _summary(
     step = machine.axes.step_um
     result["step_um"] = int(step) if step == int(step) else step
     if not _is_builtin(machine):
-        from wedmcam.machines.printed import as_toml
+        from wedmcam.machines.write import as_toml
 
         # The file may be gone or changed when the program is proven again.
         result["profile_toml"] = as_toml(machine)
@@ -593,7 +593,7 @@ def verify(
                     ),
                 )
         else:
-            from wedmcam.judge.figures import figures as figures_of
+            from wedmcam.judge.totals import figures as figures_of
 
             told, found = figures_of(decoded, machine.stepping, machine.limits)
             run.add("verify", found)
@@ -811,7 +811,7 @@ def _proof_summary(
 
 def figures(program: Program, machine: Machine) -> dict[str, Any]:
     """Return what a program does by itself: blocks, steps, closure, extents, limits, reversals."""
-    from wedmcam.judge.figures import figures as figures_of
+    from wedmcam.judge.totals import figures as figures_of
 
     return figures_of(program, machine.stepping, machine.limits)[0]
 
@@ -886,9 +886,9 @@ def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]
 
 
 def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> Proof:
-    """Return a proof with that of the images of the drawing; see ``wedmcam.metamorphic``."""
+    """Return a proof with that of the images of the drawing; see ``wedmcam.operations.images``."""
     from wedmcam.judge.certificate import finding_data
-    from wedmcam.metamorphic import metamorphic
+    from wedmcam.operations.images import metamorphic
 
     if sources.source_format(drawing, name, options) == "wed":
         raise WrongUse("--metamorphic compiles images of drawings; a .wed says sides by name")
@@ -941,7 +941,7 @@ def inspect(
     source: Source, *, name: str | None = None, options: Options | None = None, **mm: Any
 ) -> Inspection:
     """Return what the reader sees in a drawing, and the largest offset that fits it."""
-    from wedmcam.inspection import facts_of
+    from wedmcam.operations.inspect import facts_of
 
     data, name = bytes_of(source, name)
     options = options if options is not None else options_in_mm(**mm)
@@ -965,8 +965,8 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
     Raises:
         WrongUse: nothing was read that could be drawn.
     """
-    from wedmcam.backends.svg import plot as plot_program
-    from wedmcam.backends.svg import plot_contours
+    from wedmcam.reports.picture.program import plot as plot_program
+    from wedmcam.reports.picture.program import plot_contours
 
     marks = [d for d in made.findings if d.points_mm and d.severity is not Severity.NOTE]
     if isinstance(made, Inspection) or made.program is None:
@@ -997,8 +997,8 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
 
 def _refused_picture(made: Compilation | Inspection, title: str) -> str | None:
     """Return a picture of what was read of a source that is refused; None where nothing was."""
-    from wedmcam.backends.svg_refused import plot_refused
     from wedmcam.compiler.sources import rows_of
+    from wedmcam.reports.picture.refused import plot_refused
 
     seen = None if made.seen is None else made.seen.whole()
     if seen is None and made.drawn is not None and len(made.drawn.contours):
@@ -1047,9 +1047,9 @@ def _with_cuts(program: Program, verdict: Verdict | None) -> Program:
 
 def plot_html(made: Compilation | Proof | Inspection, title: str = "") -> str:
     """Return a page with the picture of `plot` and a table of the blocks, to click in."""
-    from wedmcam.backends.html import page
     from wedmcam.diag.render import merged, render
-    from wedmcam.frontends.dump import dump
+    from wedmcam.programs.rows import dump
+    from wedmcam.reports.picture.page import page
 
     said = "\n".join(render(d, title) for d in merged(made.findings))
     program = None if isinstance(made, Inspection) else made.program

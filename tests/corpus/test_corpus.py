@@ -17,9 +17,10 @@ from pathlib import Path
 
 import pytest
 
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.diag import Severity
 from wedmcam.frontends.dxf import DxfOptions, read
+from wedmcam.operations import convert as conversion
 from wedmcam.transforms.chain import chain
 
 with (Path(__file__).parent / "expected.tsv").open(encoding="utf-8") as table:

@@ -10,12 +10,13 @@ import pytest
 
 import wedmcam
 from drawings import drawing
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.controllers.pointwise import LineTable, trace
 from wedmcam.diag import has_errors
 from wedmcam.frontends import decoder
 from wedmcam.ir.program import Kind
 from wedmcam.machines import Axes, builtin
+from wedmcam.operations import convert as conversion
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "property"))
 from test_axes_laws import EXPECTED, oriented
@@ -175,9 +176,9 @@ def test_what_the_controller_computes(name, way):
 
 
 def test_the_setup_sheet_and_explain_say_how_the_axes_lie():
-    from wedmcam import setup_sheet
-    from wedmcam.cli.block import explain_block
     from wedmcam.cli.tables import dump_lines
+    from wedmcam.reports import setup_sheet
+    from wedmcam.reports.block import explain_block
 
     machine = oriented("b3-compact", (True, True, False))
     made = wedmcam.compile(L, offset=0.1, profile=machine)

@@ -6,7 +6,7 @@ import parts
 import wedmcam
 from wedmcam import api, machines
 from wedmcam.controllers.pointwise import LineTable, run
-from wedmcam.frontends.b3 import decode
+from wedmcam.frontends.b3.reader import decode
 
 
 @pytest.mark.parametrize("count", ["exact", "textbook"])

@@ -64,8 +64,8 @@ def test_its_own_interpolator_is_what_is_judged():
 
 
 def test_a_program_of_it_becomes_3b_and_is_told():
-    from wedmcam import conversion
-    from wedmcam.frontends.dump import dump
+    from wedmcam.operations import convert as conversion
+    from wedmcam.programs.rows import dump
 
     compilation = api.compile(SAMPLES / "key-punch.dxf", profile=made_up.MACHINE, offset=0.1)
     rows = list(dump(compilation.program, made_up.MACHINE))

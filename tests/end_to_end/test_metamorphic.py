@@ -9,7 +9,7 @@ import pytest
 import wedmcam.transforms.lower as lowering
 from wedmcam import api
 from wedmcam.diag import Severity
-from wedmcam.metamorphic import ISOMETRIES, metamorphic
+from wedmcam.operations.images import ISOMETRIES, metamorphic
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 

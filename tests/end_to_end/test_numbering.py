@@ -11,7 +11,7 @@ from drawings import drawing
 from wedmcam import api
 from wedmcam.cli.say import say_report
 from wedmcam.options import Options
-from wedmcam.setup_sheet import sheet
+from wedmcam.reports.setup_sheet import sheet
 
 PART = """
 contour plate { from (0, 0) line to (60, 0) line to (60, 20) line to (0, 20) close }

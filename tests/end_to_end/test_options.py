@@ -15,7 +15,7 @@ import parts
 from wedmcam import __main__, api, machines
 from wedmcam.cli.main import cli
 from wedmcam.cli.settings import known_options, of_one_run
-from wedmcam.machines.profile import _SCHEMA
+from wedmcam.machines.read import _SCHEMA
 from wedmcam.options import Options, WrongUse
 from wedmcam.ranges import LENGTHS
 

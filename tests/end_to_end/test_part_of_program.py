@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from parts import dxf_bytes, random_part
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.judge.difference import difference
+from wedmcam.operations import convert as conversion
 from wedmcam.options import Options
 from wedmcam.targets import Entries
 

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 import wedmcam
 from wedmcam import api
 from wedmcam.cli.main import cli
-from wedmcam.setup_sheet import sheet
+from wedmcam.reports.setup_sheet import sheet
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 

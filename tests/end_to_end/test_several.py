@@ -8,13 +8,14 @@ from pathlib import Path
 import pytest
 from test_cli_programs import run, status
 
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.frontends import DECODERS
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin, default
+from wedmcam.operations import convert as conversion
+from wedmcam.operations.together import compile_several
 from wedmcam.options import SUFFIX_OF_FORMAT, Options
-from wedmcam.several import compile_several
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = sorted((ROOT / "samples").glob("*.dxf"))
@@ -76,8 +77,8 @@ def test_all_or_none(tmp_path):
 
 def test_a_program_that_differs_is_refused(monkeypatch):
     """Both proofs pass; that the two are one path is asked on its own."""
-    from wedmcam import several
     from wedmcam.judge.difference import Difference
+    from wedmcam.operations import together as several
 
     monkeypatch.setattr(several, "WITHIN_UM", 0.0)
     made = compile_several(SAMPLES[1], [default("3b"), default("compact")])

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from wedmcam import api, loads, machines
+from wedmcam import api, machines
 from wedmcam.cli.main import cli
+from wedmcam.operations import split as loads
 from wedmcam.options import Options
 
 PLATE = Path(__file__).parents[2] / "samples/plate.dxf"

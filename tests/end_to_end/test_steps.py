@@ -20,13 +20,15 @@ from test_axes import L
 import parts
 import wedmcam
 from drawings import drawing
-from wedmcam import api, conversion, setup_sheet
-from wedmcam.cli.block import explain_block
+from wedmcam import api
 from wedmcam.diag import Severity
 from wedmcam.frontends import decoder
 from wedmcam.ir.program import Kind, Role
 from wedmcam.judge.certificate import fingerprint
 from wedmcam.machines import Axes, builtin
+from wedmcam.operations import convert as conversion
+from wedmcam.reports import setup_sheet
+from wedmcam.reports.block import explain_block
 
 STEPS = [0.5, 1.0, 2.0, 10.0]
 SAMPLES = Path(__file__).parents[2] / "samples"

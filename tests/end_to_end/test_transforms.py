@@ -110,8 +110,8 @@ def test_by_how_much_the_arithmetics_differ(name):
 
 
 def test_paths_of_other_segments_are_compared_by_distance():
-    from wedmcam.comparison import _apart
     from wedmcam.ir.contour import Contour, vertices
+    from wedmcam.operations.arithmetics import _apart
 
     def box(*corners):
         return Contour(vertices([(x, y, 0, 0, 0, -1) for x, y in corners]), True)

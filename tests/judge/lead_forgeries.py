@@ -25,8 +25,8 @@ from wedmcam.diag import Severity
 from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.plan import Side
 from wedmcam.ir.program import Kind, Program
+from wedmcam.judge.in_steps import in_steps
 from wedmcam.judge.match import paired
-from wedmcam.judge.unit import in_steps
 from wedmcam.judge.walk import walk
 from wedmcam.targets import target_of
 

@@ -27,8 +27,8 @@ from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.certificate import certificate
-from wedmcam.judge.fit import fit
 from wedmcam.judge.judge import judge
+from wedmcam.judge.origin import fit
 
 T = of_table("rotate")
 

@@ -9,7 +9,7 @@ import pytest
 from drawings import drawing
 from wedmcam import api
 from wedmcam.diag import Severity
-from wedmcam.judge.fit import may_start
+from wedmcam.judge.origin import may_start
 from wedmcam.judge.track import LOST
 from wedmcam.options import WrongUse
 

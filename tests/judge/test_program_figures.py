@@ -11,7 +11,7 @@ from judge_cases import arc, control, line, lower, move, part_with_hole, skew_pl
 from wedmcam import api, machines
 from wedmcam.controllers.pointwise import LineTable, block_steps, of_table
 from wedmcam.ir.program import Axis, Kind, Program
-from wedmcam.judge.figures import figures
+from wedmcam.judge.totals import figures
 
 LIMITS = machines.default("3b").limits
 
@@ -32,7 +32,7 @@ def by_steps(program, table):
 
 @pytest.mark.parametrize("table", LineTable)
 def test_figures_are_those_of_the_step_loop(table, monkeypatch):
-    monkeypatch.setattr("wedmcam.judge.figures.PIECE", 3)
+    monkeypatch.setattr("wedmcam.judge.totals.PIECE", 3)
     for plan in (part_with_hole(), skew_plan(2.2, 900.0)):
         program = replace(lower(plan, table), origin=(0, 0))
         f, found = figures(program, of_table(table), LIMITS)

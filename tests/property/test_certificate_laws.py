@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import parts
 from wedmcam import api, machines
+from wedmcam.operations.together import compile_several
 from wedmcam.options import WrongUse
-from wedmcam.several import compile_several
 
 AXES = {
     "swapped.toml": "[axes]\nexchange = true\n",

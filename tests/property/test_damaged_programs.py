@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from wedmcam import api
 from wedmcam.diag import Severity, has_errors
 from wedmcam.frontends import DECODERS, decoder
-from wedmcam.frontends.dump import dump
 from wedmcam.frontends.identify import identify
 from wedmcam.machines import default
+from wedmcam.programs.rows import dump
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 
@@ -24,7 +24,7 @@ def whole(format_):
 
 
 def api_convert(path, format_):
-    from wedmcam import conversion
+    from wedmcam.operations import convert as conversion
 
     return conversion.convert(path, to=format_)
 
@@ -91,7 +91,7 @@ def test_anything(format_, data):
 def test_what_was_damaged_is_converted_or_refused(format_, data):
     """`convert` of anything ends in a proven program or in an error."""
     raw = data.draw(damaged(PROGRAMS[format_]))
-    from wedmcam import conversion
+    from wedmcam.operations import convert as conversion
 
     to = data.draw(st.sampled_from(["3b", "compact"]))
     made = conversion.convert(raw, to=to, format=format_)

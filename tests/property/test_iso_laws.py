@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_programs import programs
 
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.backends import encoder
 from wedmcam.controllers.pointwise import of_table
 from wedmcam.diag import has_errors
@@ -18,6 +18,7 @@ from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin, names
+from wedmcam.operations import convert as conversion
 
 ISO = [n for n in names() if builtin(n).format == "iso"]
 SAMPLES = Path(__file__).parents[2] / "samples"

@@ -12,9 +12,10 @@ from wedmcam.backends import encoder
 from wedmcam.controllers.pointwise import LineTable
 from wedmcam.diag import has_errors
 from wedmcam.formats import compact as compact_rules
-from wedmcam.frontends import decoder, records
+from wedmcam.frontends import decoder
+from wedmcam.frontends.b3 import records
 from wedmcam.frontends.identify import identify
-from wedmcam.frontends.plain import plain
+from wedmcam.frontends.text import plain
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 from wedmcam.machines import Layout, Words, builtin, names
 

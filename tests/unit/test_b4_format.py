@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wedmcam import api, conversion, machines
+from wedmcam import api, machines
 from wedmcam.backends import encoder
 from wedmcam.diag import Severity
 from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Axis, Kind
+from wedmcam.operations import convert as conversion
 from wedmcam.targets import Entries
 
 M = machines.builtin("b4-compact")
@@ -184,6 +185,6 @@ def test_forgeries():
 
 
 def test_what_arcs_state_is_dumped():
-    from wedmcam.frontends.dump import stated
+    from wedmcam.programs.rows import stated
 
     assert stated(ROUND.encode(), M)["2:1"] == "R 2.000 mm, grows outwards"

@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 from test_backend_b3 import MOVE, A, D, E, L, T, W, arc, line, program  # noqa: F401
 
-from wedmcam.backends import compact
+from wedmcam.backends.zd065 import compact
 from wedmcam.diag import Severity
 from wedmcam.ir.program import Axis, Kind
 from wedmcam.machines import Limits, builtin

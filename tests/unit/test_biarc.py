@@ -7,9 +7,9 @@ import pytest
 from ezdxf.math import BSpline, fit_points_to_cad_cv, global_bspline_interpolation
 
 from wedmcam.geom.biarc import fit, joint
+from wedmcam.geom.circles import circle, sweep_about
 from wedmcam.geom.curves import Beziers, Ellipse, Ellipses, bezier_pieces
 from wedmcam.geom.departure import certified
-from wedmcam.geom.rounds import circle, sweep_about
 
 
 def full(sections, tolerance):

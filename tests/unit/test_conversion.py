@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from wedmcam import conversion, machines
+from wedmcam import machines
 from wedmcam.cli.main import cli
 from wedmcam.ir.program import Kind
+from wedmcam.operations import convert as conversion
 from wedmcam.targets import target_of
 from wedmcam.targets.entries import Entries
 

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 import wedmcam
-from wedmcam import api, conversion, machines
+from wedmcam import api, machines
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.frontends.identify import identify
@@ -18,6 +18,7 @@ from wedmcam.frontends.iso.dialect import QUESTIONS
 from wedmcam.frontends.iso.style import style_of
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
+from wedmcam.operations import convert as conversion
 from wedmcam.targets import Entries
 
 ROOT = Path(__file__).parents[2]

@@ -124,7 +124,7 @@ def test_every_reverse_turns_the_wire_and_no_reflection_does(stages):
 
 
 def test_a_program_that_runs_clockwise_comes_back_as_it_is():
-    from wedmcam.conversion import convert
+    from wedmcam.operations.convert import convert
 
     made = compiled(PLATE + "cut plate | reverse outside offset 0.1 start (15, -3)")
     back = convert(made.data, to="wed", name="x.3b")

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from wedmcam.diag import Severity
-from wedmcam.frontends import b3, records
-from wedmcam.frontends.plain import plain
+from wedmcam.frontends.b3 import reader as b3
+from wedmcam.frontends.b3 import records
+from wedmcam.frontends.text import plain
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 

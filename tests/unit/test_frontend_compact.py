@@ -1,7 +1,7 @@
 import pytest
 
 from wedmcam.diag import Severity
-from wedmcam.frontends import compact
+from wedmcam.frontends.zd065 import compact
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 

@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wedmcam import machines
-from wedmcam.backends.gap import encode, outline
+from wedmcam.backends.zd065.compensation import encode, outline
 from wedmcam.controllers.zd065 import compensated
 from wedmcam.diag import Severity
-from wedmcam.frontends.gap import decode, read
 from wedmcam.frontends.identify import identify
+from wedmcam.frontends.zd065.compensation import decode, read
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 
 M = machines.builtin("zd065-compensation")

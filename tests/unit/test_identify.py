@@ -3,9 +3,9 @@ import random
 import pytest
 
 from wedmcam.frontends import decoder
-from wedmcam.frontends.dump import dump
 from wedmcam.frontends.identify import identify
 from wedmcam.machines import builtin
+from wedmcam.programs.rows import dump
 
 LINE = bytes.fromhex("01 017000 005000")
 ARC = bytes.fromhex("21 00009900 00000000 056003")

@@ -8,10 +8,11 @@ import pytest
 from click.testing import CliRunner
 
 import wedmcam
-from wedmcam import api, conversion, machines
+from wedmcam import api, machines
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.judge.difference import difference
+from wedmcam.operations import convert as conversion
 from wedmcam.options import WrongUse
 
 SAMPLES = Path(__file__).parents[2] / "samples"

@@ -10,13 +10,14 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.api import positions
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity, has_errors
 from wedmcam.frontends.iso.dialect import QUESTIONS, reads_as_words
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
+from wedmcam.operations import convert as conversion
 from wedmcam.options import READING, WrongUse
 
 SAMPLES = Path(__file__).parents[2] / "samples"

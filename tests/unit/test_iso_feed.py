@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 import wedmcam
-from wedmcam import conversion
 from wedmcam.cli.main import cli
 from wedmcam.machines import builtin
+from wedmcam.operations import convert as conversion
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 PLATE = str(SAMPLES / "plate.dxf")

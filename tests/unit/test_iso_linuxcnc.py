@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 import wedmcam
-from wedmcam import api, conversion, machines
+from wedmcam import api, machines
 from wedmcam.diag import Severity
 from wedmcam.judge.difference import difference
+from wedmcam.operations import convert as conversion
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "samples"

@@ -2,11 +2,12 @@
 
 import pytest
 
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.api import positions
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
+from wedmcam.operations import convert as conversion
 from wedmcam.options import WrongUse
 from wedmcam.targets import Entries, g41, target_of
 
@@ -582,7 +583,7 @@ def test_linuxcnc_numbers_diameters_by_d():
 def test_diameters_and_h_are_written_and_said(tmp_path):
     from pathlib import Path
 
-    from wedmcam.setup_sheet import sheet
+    from wedmcam.reports.setup_sheet import sheet
 
     machine = profile(
         compensation="controller", decimals=4, offsets="diameter", offset_word="H", d=3

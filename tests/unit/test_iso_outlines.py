@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin
 from wedmcam.machines.machine import Axes
+from wedmcam.operations import convert as conversion
 from wedmcam.options import WrongUse
 from wedmcam.targets import Entries
 

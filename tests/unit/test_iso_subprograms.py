@@ -10,12 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.api import positions
 from wedmcam.diag import Severity
 from wedmcam.frontends.iso.subprograms import DEEPEST, MOST_LINES
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
+from wedmcam.operations import convert as conversion
 from wedmcam.targets import Entries
 
 #: As Sodick's writers put it: the main program ends with M199, the outline stands behind it.

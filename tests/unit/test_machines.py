@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from wedmcam import machines
-from wedmcam.machines.printed import as_toml, fingerprint
+from wedmcam.machines.write import as_toml, fingerprint
 
 GOOD = """\
 title = "T"

@@ -12,7 +12,7 @@ import pages
 from wedmcam import machines
 from wedmcam.cli.explain import examples, explained
 from wedmcam.diag import CODES
-from wedmcam.machines.printed import as_toml, entries
+from wedmcam.machines.write import as_toml, entries
 
 SRC = Path(machines.__file__).parents[1]
 

@@ -6,13 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wedmcam import machines
-from wedmcam.backends.compact import encode as encode_compact
-from wedmcam.backends.rotation import encode
+from wedmcam.backends.zd065.compact import encode as encode_compact
+from wedmcam.backends.zd065.rotation import encode
 from wedmcam.controllers.zd065 import POLAR, rotated, square_count
 from wedmcam.diag import Severity
-from wedmcam.frontends.compact import decode as decode_compact
 from wedmcam.frontends.identify import identify
-from wedmcam.frontends.rotation import decode, read
+from wedmcam.frontends.zd065.compact import decode as decode_compact
+from wedmcam.frontends.zd065.rotation import decode, read
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 
 M = machines.builtin("zd065-rotation")
@@ -202,7 +202,7 @@ def test_memory_holds_455_lines():
 
 
 def test_what_a_block_states():
-    from wedmcam.frontends.dump import stated
+    from wedmcam.programs.rows import stated
 
     assert stated(LINE + ARC + b"\0", M) == {
         "0x0000": "heading 30 deg, length 20.000 mm",

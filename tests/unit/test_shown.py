@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wedmcam.backends.svg_sheet import words
 from wedmcam.diag import EntityRef, TextSpan, capped, error, json_text, note, visible, warning
 from wedmcam.diag.capped import KEPT, NOTES
 from wedmcam.diag.render import excerpt, merged, render
 from wedmcam.diag.run import Run
+from wedmcam.reports.picture.sheet import words
 
 ANY = st.text(st.characters(), max_size=40)
 BIDI = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\u200e\u200f\u061c"

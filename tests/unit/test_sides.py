@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import parts
-from wedmcam import api, conversion
+from wedmcam import api
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.difference import difference
+from wedmcam.operations import convert as conversion
 from wedmcam.options import WrongUse
 from wedmcam.targets import Entries
 

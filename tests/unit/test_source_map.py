@@ -16,7 +16,7 @@ from wedmcam.cli import say
 from wedmcam.diag import EntityRef, TextSpan
 from wedmcam.ir.program import Kind
 from wedmcam.options import Options
-from wedmcam.source_map import source_map, span_data
+from wedmcam.reports.source_map import source_map, span_data
 from wedmcam.transforms.figures.motion import numbered
 
 SAMPLES = Path(__file__).parents[2] / "samples"

@@ -11,13 +11,13 @@ import pytest
 
 import parts
 from plans import one_scene
-from wedmcam.backends.svg import DETAILED, LABELS, plot, plot_contours
-from wedmcam.backends.svg_sheet import Sheet
 from wedmcam.diag import CODES, EntityRef, error
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.plan import Cut, Plan, Side
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.ir.sketch import ThreadPoint
+from wedmcam.reports.picture.program import DETAILED, LABELS, plot, plot_contours
+from wedmcam.reports.picture.sheet import Sheet
 
 NS = {"s": "http://www.w3.org/2000/svg"}
 Made = tuple[Program, np.ndarray, np.ndarray]
@@ -320,8 +320,8 @@ def test_a_taken_place_is_refused_unless_forced() -> None:
 
 
 def test_of_very_many_thread_points_some_are_drawn() -> None:
-    from wedmcam.backends.svg_sheet import Sheet
-    from wedmcam.backends.svg_threads import MOST, draw_threads
+    from wedmcam.reports.picture.sheet import Sheet
+    from wedmcam.reports.picture.threads import MOST, draw_threads
 
     sheet = Sheet((0.0, 0.0, 100.0, 100.0), "many", 0)
     ((_, told),) = draw_threads(sheet, [(k % 100, k // 100, "T", "") for k in range(3 * MOST)])

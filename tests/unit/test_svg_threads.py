@@ -9,8 +9,8 @@ import pytest
 
 import wedmcam
 from drawings import drawing
-from wedmcam.backends.svg_sheet import Sheet
-from wedmcam.backends.svg_threads import SIZE, draw_threads, kept_ticks
+from wedmcam.reports.picture.sheet import Sheet
+from wedmcam.reports.picture.threads import SIZE, draw_threads, kept_ticks
 
 NAME = re.compile(r'<text x="(\S+)" y="(\S+)" font-size="10.5"[^>]*>(T\d+|START)</text>')
 

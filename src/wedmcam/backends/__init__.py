@@ -13,9 +13,9 @@ from typing import Any
 #: Format -> module with ``encode``; named and not imported, so that starting costs nothing.
 ENCODERS: dict[str, str] = {
     "3b": "wedmcam.backends.b3",
-    "compact": "wedmcam.backends.compact",
-    "rotation": "wedmcam.backends.rotation",
-    "compensation": "wedmcam.backends.gap",
+    "compact": "wedmcam.backends.zd065.compact",
+    "rotation": "wedmcam.backends.zd065.rotation",
+    "compensation": "wedmcam.backends.zd065.compensation",
     "iso": "wedmcam.backends.iso",
     "4b": "wedmcam.backends.b4",
 }

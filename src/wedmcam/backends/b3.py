@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.fit import Checks, ends, travel
+from wedmcam.backends.checks import Checks, ends, travel
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, lines, quadrants
 from wedmcam.formats.lengths import mm_of

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.backends import b3
-from wedmcam.backends.fit import Checks
-from wedmcam.backends.gap import stated
+from wedmcam.backends.checks import Checks
+from wedmcam.backends.zd065.compensation import stated
 from wedmcam.diag import Diagnostic
 from wedmcam.formats import b4
 from wedmcam.ir.program import Kind, Program

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import Stretch, beside, stretches, words_left_out
 from wedmcam.diag import Diagnostic
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
+from wedmcam.programs.stretches import Stretch, beside, stretches, words_left_out
 
 Ints = NDArray[np.int64]
 

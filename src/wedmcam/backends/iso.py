@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.fit import Checks, ends, travel
+from wedmcam.backends.checks import Checks, ends, travel
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, iso
 from wedmcam.ir.program import Kind, Program, Role

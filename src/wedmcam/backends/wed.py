@@ -16,11 +16,11 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import Stretch, beside, stretches, words_left_out
 from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, Span, error, visible, warning
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
+from wedmcam.programs.stretches import Stretch, beside, stretches, words_left_out
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]

@@ -66,8 +66,8 @@ def convert_command(
     status: 0 done, 1 the program cannot be read or the other format cannot state it, 3 the paths
     differ.
     """
-    from wedmcam import conversion
     from wedmcam.cli import say
+    from wedmcam.operations import convert as conversion
     from wedmcam.targets import Entries, target_of
 
     target = to if to in conversion.TARGETS else None if to else conversion.output_of(output)

@@ -156,7 +156,7 @@ def compile_command(
     if map_ is not None:
         files.append((map_, say.map_bytes(api.source_map(made))))
     if sheet is not None:
-        from wedmcam.setup_sheet import written
+        from wedmcam.reports.setup_sheet import written
 
         beside = "" if plot_ is None else os.path.relpath(plot_, Path(sheet).parent)
         more = {"wire_um": asked["wire_um"], "gap_um": asked["gap_um"], "picture": beside}
@@ -734,7 +734,7 @@ def dump_command(
     from wedmcam.cli import say
     from wedmcam.cli.tables import dump_lines, dump_rows
     from wedmcam.diag import has_errors
-    from wedmcam.frontends.dump import stated
+    from wedmcam.programs.rows import stated
     from wedmcam.targets import Entries
 
     machine = machine_for(file, profile_in or profile, format_)
@@ -804,8 +804,8 @@ def _explain_block(
 ) -> int:
     from wedmcam import api
     from wedmcam.cli import say
-    from wedmcam.cli.block import explain_block
     from wedmcam.frontends.iso.dialect import QUESTIONS
+    from wedmcam.reports.block import explain_block
     from wedmcam.targets import Entries
 
     machine = machine_for(file, profile)

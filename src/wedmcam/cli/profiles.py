@@ -53,7 +53,7 @@ def profile_list(json_: bool) -> int:
 def profile_show(name: str, json_: bool) -> int:
     """A profile as TOML: every value in force, with its meaning; to start one of your own from."""
     from wedmcam.cli import say
-    from wedmcam.machines.printed import as_toml, entries
+    from wedmcam.machines.write import as_toml, entries
 
     machine, found, text = _read(name)
     say.say_findings(found, name, texts={name: text})

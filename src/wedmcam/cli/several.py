@@ -28,9 +28,10 @@ def compile_several(
     Certificates and maps are one a program: ``FILE.json`` becomes ``FILE.3b.json``. The picture
     ``plot`` is of the first.
     """
-    from wedmcam import api, several
+    from wedmcam import api
     from wedmcam.cli import say
     from wedmcam.cli.settings import also_read
+    from wedmcam.operations import together as several
 
     feed = ask.feed_of(asked)
     if output == "-":

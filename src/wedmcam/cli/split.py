@@ -29,7 +29,7 @@ def compile_split(
     """
     from wedmcam import api
     from wedmcam.cli import say
-    from wedmcam.loads import compile_loads, moves, numbered
+    from wedmcam.operations.split import compile_loads, moves, numbered
 
     ask.check_source(input_, asked["from_"])
     options = ask.options_of(asked)

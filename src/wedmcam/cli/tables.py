@@ -31,14 +31,14 @@ def memory_of(seen: Identification) -> str:
 
 def dump_rows(program: Program, machine: Machine) -> list[dict[str, Any]]:
     """Return the blocks of a program as plain data."""
-    from wedmcam.frontends.dump import dump
+    from wedmcam.programs.rows import dump
 
     return [asdict(row) for row in dump(program, machine)]
 
 
 def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
     """Yield the blocks of a program as a table."""
-    from wedmcam.frontends.dump import dump
+    from wedmcam.programs.rows import dump
 
     axes = machine.axes
     if not axes.plain:

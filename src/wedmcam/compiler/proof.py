@@ -75,7 +75,7 @@ def placed(
     The plan's first thread point comes first, then the others that were given. Where it proves on
     none of them a translation is fitted: if no thread point is given, or if that is asked for.
     """
-    from wedmcam.judge.unit import in_steps
+    from wedmcam.judge.in_steps import in_steps
 
     def at(place: Place, fitted: bool = False, strict: bool = how.ours) -> _Judged:
         program = replace(decoded, origin=place)
@@ -114,7 +114,7 @@ def _elsewhere(
     at: Callable[..., _Judged],
 ) -> tuple[_Judged, list[Diagnostic]]:
     """Return the proof at another place, and the findings that say why there."""
-    from wedmcam.judge.fit import fit, may_start
+    from wedmcam.judge.origin import fit, may_start
 
     stepping = target.machine.stepping
     places = _given_places(how.given, threads, decoded.step_um)

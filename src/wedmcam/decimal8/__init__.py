@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wedmcam.decimal8.array import Decimal8Array
 from wedmcam.decimal8.convert import from_floats
-from wedmcam.decimal8.form import Flags, watch
+from wedmcam.decimal8.number_format import Flags, watch
 from wedmcam.decimal8.protocol import where
 from wedmcam.decimal8.scalar import Decimal8
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wedmcam.decimal8 import convert, functions, kernel
-from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO, unwatched
-from wedmcam.decimal8.held import Floats, beside, floats, parts
+from wedmcam.decimal8.encoding import Floats, beside, floats, parts
 from wedmcam.decimal8.methods import Methods
+from wedmcam.decimal8.number_format import DIGITS, EXPONENT_MAX, HIGH, LOW, ZERO, unwatched
 from wedmcam.decimal8.scalar import Decimal8, parts_of
 
 #: Added to a copy: of the two zeros of float64 it leaves the one without a sign.

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, LOW, flag_underflow, round_integer
-from wedmcam.decimal8.held import (
+from wedmcam.decimal8.encoding import (
     EXACT_TEN,
     Floats,
     Ints,
@@ -24,6 +23,7 @@ from wedmcam.decimal8.held import (
     ten,
 )
 from wedmcam.decimal8.kernel import Parts, exact_integer
+from wedmcam.decimal8.number_format import DIGITS, EXPONENT_MAX, LOW, flag_underflow, round_integer
 from wedmcam.decimal8.rounding import Work, piecewise, rounded
 
 _INTEGER_TENS = 10 ** np.arange(19, dtype=np.int64)

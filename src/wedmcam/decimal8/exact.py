@@ -16,7 +16,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from wedmcam.decimal8.form import DIGITS, HIGH, LOW, ZERO, round_integer
+from wedmcam.decimal8.number_format import DIGITS, HIGH, LOW, ZERO, round_integer
 
 #: An expression at a given mpmath context, whose precision the caller has set.
 Evaluate = Callable[[Any], Any]

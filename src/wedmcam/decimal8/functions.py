@@ -20,9 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.decimal8 import exact
-from wedmcam.decimal8.form import DIGITS, LOW, ZERO
-from wedmcam.decimal8.held import Floats, Ints, cells, checked, decades, pair, parts, product, ten
+from wedmcam.decimal8.encoding import (
+    Floats,
+    Ints,
+    cells,
+    checked,
+    decades,
+    pair,
+    parts,
+    product,
+    ten,
+)
 from wedmcam.decimal8.kernel import Parts
+from wedmcam.decimal8.number_format import DIGITS, LOW, ZERO
 from wedmcam.decimal8.rounding import Work, piecewise, rounded
 
 #: Relative error of one float64 operation, and of one numpy function.

@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.decimal8.form import DIGITS, ZERO
-from wedmcam.decimal8.held import Floats, Ints, parts
+from wedmcam.decimal8.encoding import Floats, Ints, parts
+from wedmcam.decimal8.number_format import DIGITS, ZERO
 from wedmcam.decimal8.rounding import PIECE, Settle, Work, piecewise, rounded
 
 _TENS = 10 ** np.arange(19, dtype=np.int64)

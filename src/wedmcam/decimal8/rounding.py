@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.decimal8.form import DIGITS, ZERO
-from wedmcam.decimal8.held import EXACT_TEN, Floats, Ints, cells, checked, decades, ten
+from wedmcam.decimal8.encoding import EXACT_TEN, Floats, Ints, cells, checked, decades, ten
+from wedmcam.decimal8.number_format import DIGITS, ZERO
 
 #: Elements computed at a time: so many that calls do not count, so few that buffers stay in cache.
 PIECE = 32768

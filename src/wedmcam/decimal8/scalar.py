@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from wedmcam.decimal8.exact import hypotenuse
-from wedmcam.decimal8.form import DIGITS, ZERO, in_range, round_integer
 from wedmcam.decimal8.methods import Methods
+from wedmcam.decimal8.number_format import DIGITS, ZERO, in_range, round_integer
 
 _EXACT = decimal.Context(prec=decimal.MAX_PREC, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN)
 

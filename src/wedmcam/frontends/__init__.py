@@ -11,10 +11,10 @@ from typing import Any
 
 #: Format -> module with ``decode``; named and not imported, so that starting costs nothing.
 DECODERS: dict[str, str] = {
-    "3b": "wedmcam.frontends.b3",
-    "compact": "wedmcam.frontends.compact",
-    "rotation": "wedmcam.frontends.rotation",
-    "compensation": "wedmcam.frontends.gap",
+    "3b": "wedmcam.frontends.b3.reader",
+    "compact": "wedmcam.frontends.zd065.compact",
+    "rotation": "wedmcam.frontends.zd065.rotation",
+    "compensation": "wedmcam.frontends.zd065.compensation",
     "iso": "wedmcam.frontends.iso",
     "4b": "wedmcam.frontends.b4",
 }

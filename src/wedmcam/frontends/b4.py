@@ -18,9 +18,9 @@ from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import b4
 from wedmcam.formats.lengths import mm_of
 from wedmcam.formats.listing import listed
-from wedmcam.frontends import b3
-from wedmcam.frontends.gap import TORN_UM, directions
-from wedmcam.frontends.plain import TextSpans, plain
+from wedmcam.frontends.b3 import reader as b3
+from wedmcam.frontends.text import TextSpans, plain
+from wedmcam.frontends.zd065.compensation import TORN_UM, directions
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.formats import b4, compact, gap, rotation
-from wedmcam.frontends.compact import addresses
+from wedmcam.formats import b4, compact, rotation
+from wedmcam.formats import compensation as gap
+from wedmcam.frontends.b3.records import find_records
 from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.style import lines_end, style_of
 from wedmcam.frontends.iso.words import COMMENT, with_numbers
-from wedmcam.frontends.plain import plain
-from wedmcam.frontends.records import find_records
+from wedmcam.frontends.text import plain
+from wedmcam.frontends.zd065.compact import addresses
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,10 +18,10 @@ from wedmcam.controllers import Stepping
 from wedmcam.controllers.stepping import Blocks
 from wedmcam.diag import Diagnostic, warning
 from wedmcam.ir.program import Axis, Kind, Program
-from wedmcam.judge.figures import MEANT_CLOSED
 from wedmcam.judge.match import EARLY, RECOMPUTED
 from wedmcam.judge.runs import per_mm, runs, span_of
 from wedmcam.judge.segments import Ints
+from wedmcam.judge.totals import MEANT_CLOSED
 from wedmcam.judge.walk import Walk, walk
 
 #: So many contours, and so many values that would close one, are told.

@@ -35,11 +35,11 @@ from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.conclusion import verdict_of, verdict_of_nothing
 from wedmcam.judge.ends import closes, moves_on
 from wedmcam.judge.followed import Followed, Terms, follow
+from wedmcam.judge.in_steps import in_steps, told_in_um
 from wedmcam.judge.keeping import keeps_the_part
 from wedmcam.judge.leads import meet_no_cut
 from wedmcam.judge.measured import Measured
 from wedmcam.judge.paths import runs_the_paths
-from wedmcam.judge.unit import in_steps, told_in_um
 from wedmcam.judge.verdict import Count, Verdict
 from wedmcam.judge.walk import Walk, walk
 

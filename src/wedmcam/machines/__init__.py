@@ -15,7 +15,7 @@ from pathlib import PurePath
 
 from wedmcam.diag import Diagnostic, TextSpan, error, note
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
-from wedmcam.machines.profile import parse
+from wedmcam.machines.read import parse
 from wedmcam.machines.vocabulary import Known, Vocabulary
 
 #: The profile that a format is written with when none is named.

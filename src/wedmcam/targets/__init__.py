@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wedmcam.options import Options
-    from wedmcam.transforms import carry
+    from wedmcam.programs import reblock as carry
     from wedmcam.transforms.lower import Rules
 
 

@@ -170,7 +170,7 @@ def encode(
         WrongUse: for what such a controller has no words.
     """
     from wedmcam.backends.axes import to_controller
-    from wedmcam.backends.fit import travel
+    from wedmcam.backends.checks import travel
 
     if machine.axes.step_um != 1:
         raise WrongUse(

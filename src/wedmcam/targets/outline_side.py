@@ -16,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import Stretch, stretches
 from wedmcam.diag import Diagnostic, Severity, Span, error
 from wedmcam.geom import measure
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge import segments as exact
 from wedmcam.machines import Machine
+from wedmcam.programs.stretches import Stretch, stretches
 from wedmcam.transforms.meetings import contour_meetings
 from wedmcam.transforms.nest import nest
 

@@ -173,7 +173,7 @@ class Compensation(Scaled, Memory):
     def block_bytes(self) -> tuple[int, int]:
         """See `formats.gap`."""
         from wedmcam.formats import compact
-        from wedmcam.formats import gap as rows
+        from wedmcam.formats import compensation as rows
 
         return compact.LINE_BYTES, rows.ARC_BYTES
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from wedmcam.transforms import carry
+    from wedmcam.programs import reblock as carry
     from wedmcam.transforms.lower import Rules
 
 
@@ -173,7 +173,7 @@ class Stated:
 
     def carry_rules(self, source: str) -> carry.Rules:
         """See `Target`."""
-        from wedmcam.transforms.carry import Rules
+        from wedmcam.programs.reblock import Rules
 
         return Rules(
             square=self.square,

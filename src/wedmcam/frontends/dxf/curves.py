@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.frontends.dxf.turns import Turn, turn_of
+from wedmcam.geom.circles import EXACT_UM, MEET_UM, Rounds, circle, rounds, sweep_about
 from wedmcam.geom.curves import STRAIGHT_UM, Beziers, Ellipse, Ellipses, bezier_pieces
 from wedmcam.geom.departure import certified
-from wedmcam.geom.rounds import EXACT_UM, MEET_UM, Rounds, circle, rounds, sweep_about
 from wedmcam.ir.sketch import SEGMENT
 
 Floats = NDArray[np.float64]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.frontends.iso.offsets import Entry
 from wedmcam.frontends.iso.words import Words
-from wedmcam.frontends.plain import Plain, TextSpans, plain
+from wedmcam.frontends.text import Plain, TextSpans, plain
 from wedmcam.machines import Iso, Layout, builtin, names
 
 Ints = NDArray[np.int64]

@@ -47,7 +47,7 @@ from wedmcam.frontends.iso.reading import Reading, column, filled
 from wedmcam.frontends.iso.subprograms import STYLES, calls_of, ends_of, order_of
 from wedmcam.frontends.iso.table import Tables, modes_of
 from wedmcam.frontends.iso.tape import take_end, take_number
-from wedmcam.frontends.plain import TextSpans
+from wedmcam.frontends.text import TextSpans
 from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.machines import Known, Machine

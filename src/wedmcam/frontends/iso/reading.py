@@ -13,7 +13,7 @@ from wedmcam.formats.listing import in_order, listed
 from wedmcam.frontends.iso.dialect import Dialect, Question, completed
 from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.words import Words, with_numbers, words_of
-from wedmcam.frontends.plain import Plain, TextSpans, plain
+from wedmcam.frontends.text import Plain, TextSpans, plain
 from wedmcam.machines import Machine
 
 Ints = NDArray[np.int64]

@@ -22,8 +22,8 @@ from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.transforms.lower import moves
-from wedmcam.transforms.lower.course import Course, lay_out
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
+from wedmcam.transforms.lower.layout import Course, lay_out
 from wedmcam.transforms.lower.repair import best_chain
 from wedmcam.transforms.lower.steps import in_steps
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wedmcam.controllers.zd065 import POLAR, rotated
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import rotation
-from wedmcam.frontends.stream import Stream, mm
+from wedmcam.frontends.zd065.memory import Stream, mm
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 

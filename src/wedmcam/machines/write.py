@@ -19,7 +19,7 @@ from typing import Any
 
 from wedmcam.machines import machine as model
 from wedmcam.machines.machine import Machine
-from wedmcam.machines.profile import _EOL, _ISO, _SCHEMA
+from wedmcam.machines.read import _EOL, _ISO, _SCHEMA
 from wedmcam.machines.vocabulary import TAKES, Vocabulary
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.fit import Checks, travel
+from wedmcam.backends.checks import Checks, travel
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import compact, lines, quadrants
 from wedmcam.formats.lengths import mm_of

@@ -11,11 +11,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.svg import OUTLINE, TAU, _mark, _Segments, _stroke
-from wedmcam.backends.svg_sheet import Box, Sheet, number, union
-from wedmcam.backends.svg_threads import draw_threads
 from wedmcam.diag import Diagnostic
 from wedmcam.ir.sketch import ThreadPoint
+from wedmcam.reports.picture.program import OUTLINE, TAU, _mark, _Segments, _stroke
+from wedmcam.reports.picture.sheet import Box, Sheet, number, union
+from wedmcam.reports.picture.threads import draw_threads
 
 #: Above so many segments they are one path, without tool tips.
 DETAILED = 4000

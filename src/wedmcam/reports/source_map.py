@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import EntityRef, Span, TextSpan
-from wedmcam.frontends.dump import where_of
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
 from wedmcam.programs.places import block_ends, matched
+from wedmcam.programs.rows import where_of
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wedmcam.backends.svg_sheet import words
 from wedmcam.ir.understanding import HEADINGS, Understanding
+from wedmcam.reports.picture.sheet import words
 
 _STYLE = """
 body{margin:0;font:13px Helvetica,Arial,sans-serif;color:#1f2933;display:flex;height:100vh}

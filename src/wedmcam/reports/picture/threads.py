@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.svg_sheet import ADVANCE, INK, Point, Sheet, number, words
+from wedmcam.reports.picture.sheet import ADVANCE, INK, Point, Sheet, number, words
 
 Floats = NDArray[np.float64]
 

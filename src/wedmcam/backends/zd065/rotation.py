@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.compact import encode as encode_compact
-from wedmcam.backends.fit import Checks, mm
+from wedmcam.backends.checks import Checks, mm
+from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.controllers.zd065 import POLAR, rotated
 from wedmcam.diag import Diagnostic, Severity, has_errors, warning
 from wedmcam.formats import compact, lines, quadrants, rotation

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.decimal8.form import DIGITS, EXPONENT_MAX, HIGH, ZERO, flag_underflow
+from wedmcam.decimal8.number_format import DIGITS, EXPONENT_MAX, HIGH, ZERO, flag_underflow
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wedmcam.conversion import WITHIN_UM
 from wedmcam.diag import Diagnostic, error
 from wedmcam.diag.run import Run
 from wedmcam.machines import Machine
+from wedmcam.operations.convert import WITHIN_UM
 from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
 from wedmcam.targets import target_of
 

@@ -19,8 +19,8 @@ from wedmcam.diag import Diagnostic, FileSpan, Severity, error, warning
 from wedmcam.formats import b3, quadrants
 from wedmcam.formats.lengths import mm_of
 from wedmcam.formats.listing import in_order, listed
-from wedmcam.frontends.plain import Plain, TextSpans, plain
-from wedmcam.frontends.records import Records, find_records
+from wedmcam.frontends.b3.records import Records, find_records
+from wedmcam.frontends.text import Plain, TextSpans, plain
 from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.machines import Machine
 

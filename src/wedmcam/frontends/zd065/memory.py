@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import compact, quadrants
 from wedmcam.formats.listing import in_order, listed
-from wedmcam.frontends.compact import ByteSpans, addresses, after
+from wedmcam.frontends.zd065.compact import ByteSpans, addresses, after
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 

@@ -13,15 +13,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.contours import stretches
-from wedmcam.backends.svg_sheet import INK, Box, Sheet, number, union, words
-from wedmcam.backends.svg_threads import TICK_EVERY, draw_threads, kept_ticks
 from wedmcam.diag import Diagnostic, Severity, Span
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Axis, Kind, Program, Role
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.ir.understanding import Understanding
+from wedmcam.programs.stretches import stretches
+from wedmcam.reports.picture.sheet import INK, Box, Sheet, number, union, words
+from wedmcam.reports.picture.threads import TICK_EVERY, draw_threads, kept_ticks
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

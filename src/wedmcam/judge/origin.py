@@ -16,12 +16,12 @@ from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
+from wedmcam.judge.in_steps import in_steps
 from wedmcam.judge.match import Piece, lies_on, path_box, pieces
 from wedmcam.judge.route import of_contours
 from wedmcam.judge.runs import mm, per_mm
 from wedmcam.judge.segments import Floats, nearest
 from wedmcam.judge.track import LOST
-from wedmcam.judge.unit import in_steps
 from wedmcam.judge.walk import Walk, walk
 
 #: Places of the program that are compared with the plan.

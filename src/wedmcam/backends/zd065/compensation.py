@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.compact import encode as encode_compact
-from wedmcam.backends.fit import Checks, mm
+from wedmcam.backends.checks import Checks, mm
+from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.controllers.zd065 import GAPPED, compensated
 from wedmcam.diag import Diagnostic, Severity, has_errors, warning
-from wedmcam.formats import compact, gap, lines, quadrants
+from wedmcam.formats import compact, lines, quadrants
+from wedmcam.formats import compensation as gap
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
 

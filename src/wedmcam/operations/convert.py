@@ -40,9 +40,9 @@ TRIES = 40
 
 #: Targets that are no program format -> "module:function"; named and not imported.
 TARGETS: dict[str, str] = {
-    "svg": "wedmcam.conversion:as_svg",
+    "svg": "wedmcam.operations.convert:as_svg",
     "dxf": "wedmcam.backends.dxf:converted",
-    "wed": "wedmcam.conversion:as_wed",
+    "wed": "wedmcam.operations.convert:as_wed",
 }
 #: Endings of their names.
 SUFFIXES: dict[str, str] = {".svg": "svg", ".dxf": "dxf", ".wed": "wed"}
@@ -228,7 +228,7 @@ def between(
         was found on the way.
     """
     from wedmcam.judge.difference import difference
-    from wedmcam.transforms.carry import carry
+    from wedmcam.programs.reblock import carry
 
     target, entries = target_of(machine), entered or Entries()
     if target.refuses_carried is not None:
@@ -276,7 +276,7 @@ def _no_words(what: str, span: Any) -> Diagnostic:
 def as_svg(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
     """Return a picture of a program."""
     from wedmcam import api
-    from wedmcam.backends.svg import plot as plot_program
+    from wedmcam.reports.picture.program import plot as plot_program
 
     starts, ends = api.positions(program, machine)
     picture = plot_program(

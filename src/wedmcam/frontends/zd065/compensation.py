@@ -13,8 +13,9 @@ from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.controllers.zd065 import GAPPED, compensated
 from wedmcam.diag import Diagnostic, Severity
-from wedmcam.formats import gap, quadrants
-from wedmcam.frontends.stream import Stream, mm
+from wedmcam.formats import compensation as gap
+from wedmcam.formats import quadrants
+from wedmcam.frontends.zd065.memory import Stream, mm
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Machine
 

@@ -1,0 +1,1 @@
+"""Writers of the three binary formats of the ZD-065."""

@@ -1,0 +1,1 @@
+"""Readers of the three binary formats of the ZD-065."""

@@ -1,0 +1,1 @@
+"""Pictures of drawings, plans and programs as SVG and HTML."""

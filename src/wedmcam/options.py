@@ -403,3 +403,29 @@ class Options:
 def _pairs(said: Any) -> Any:
     """Return pairs of a mapping, or of a list of them."""
     return said.items() if isinstance(said, Mapping) else said
+
+
+def options_in_mm(**mm: Any) -> Options:
+    """Return `Options` from keywords in mm: a length ``x`` stands for the field ``x_um``.
+
+    >>> options_in_mm(offset=0.1, side="die", starts=[(1, 2)]).starts_um
+    ((1000.0, 2000.0),)
+
+    Raises:
+        WrongUse: an unknown keyword or value.
+    """
+    values: dict[str, Any] = {}
+    known = set(Options.__dataclass_fields__)
+    for key, value in mm.items():
+        if key == "starts":
+            values["starts_um"] = [(1000.0 * x, 1000.0 * y) for x, y in value]
+        elif key == "layer_offsets":
+            pairs = value.items() if isinstance(value, Mapping) else value
+            values[key] = [(layer, 1000.0 * mm) for layer, mm in pairs]
+        elif f"{key}_um" in known:
+            if value is not None and not isinstance(value, int | float):
+                raise WrongUse(f"{key}={value!r} is no length in mm")
+            values[f"{key}_um"] = None if value is None else 1000.0 * value
+        else:
+            values[key] = value
+    return Options.from_data(values)

@@ -185,6 +185,6 @@ def test_forgeries():
 
 
 def test_what_arcs_state_is_dumped():
-    from wedmcam.programs.rows import stated
+    from wedmcam.frontends import stated
 
     assert stated(ROUND.encode(), M)["2:1"] == "R 2.000 mm, grows outwards"

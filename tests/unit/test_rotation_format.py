@@ -202,7 +202,7 @@ def test_memory_holds_455_lines():
 
 
 def test_what_a_block_states():
-    from wedmcam.programs.rows import stated
+    from wedmcam.frontends import stated
 
     assert stated(LINE + ARC + b"\0", M) == {
         "0x0000": "heading 30 deg, length 20.000 mm",

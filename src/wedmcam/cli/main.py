@@ -734,7 +734,7 @@ def dump_command(
     from wedmcam.cli import say
     from wedmcam.cli.tables import dump_lines, dump_rows
     from wedmcam.diag import has_errors
-    from wedmcam.programs.rows import stated
+    from wedmcam.frontends import stated
     from wedmcam.targets import Entries
 
     machine = machine_for(file, profile_in or profile, format_)

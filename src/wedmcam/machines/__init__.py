@@ -141,6 +141,11 @@ def unnamed(machine: Machine) -> list[Diagnostic]:
     ]
 
 
+def is_builtin(machine: Machine) -> bool:
+    """Return whether a machine is a built-in profile, unchanged."""
+    return machine.name in names() and machine == builtin(machine.name)
+
+
 def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
     """Return the built-in profile ``name``, or a finding that names the nearest."""
     if name in names():
@@ -165,6 +170,7 @@ __all__ = [
     "builtin",
     "default",
     "find",
+    "is_builtin",
     "iso_profiles",
     "knowing",
     "names",

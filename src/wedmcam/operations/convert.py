@@ -23,8 +23,13 @@ from numpy.typing import NDArray
 
 from wedmcam import machines
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
+from wedmcam.files import bytes_of
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
+from wedmcam.operations.compile import compile as compile_source
+from wedmcam.operations.profiles import machine_for
+from wedmcam.operations.read import read_program
+from wedmcam.programs.places import block_ends
 from wedmcam.targets import Entries, target_of
 
 if TYPE_CHECKING:
@@ -132,15 +137,13 @@ def convert(
     >>> made.data.hex(" ")
     '01 01 70 00 00 50 00 00'
     """
-    from wedmcam import api
-
     entered = entered or Entries()
-    read, machine_in, found_in = api.read_program(
+    read, machine_in, found_in = read_program(
         source, profile=profile_in, format=format, name=name, entered=entered, **said
     )
-    written = to if to in TARGETS else api.machine_for(to, profile).format
+    written = to if to in TARGETS else machine_for(to, profile).format
     entered.check(machine_in.format, written or "")
-    stays = to not in TARGETS and target_of(api.machine_for(to, profile)).takes_gap
+    stays = to not in TARGETS and target_of(machine_for(to, profile)).takes_gap
     found = [d for d in (_gap_asked(d, to == "svg", stays) for d in found_in) if d is not None]
     found = [d if to == "svg" else _lost(d) for d in found]
 
@@ -156,12 +159,12 @@ def convert(
         other, more = _target(to)(read, machine_in, name or str(source)[:200])
         found += more
         return ended(other)
-    machine = api.machine_for(to, profile)
+    machine = machine_for(to, profile)
     if read is None or has_errors(found):
         return ended(machine=machine)
     senses = None
     if stays and not entered.gap_um:
-        senses = target_of(machine_in).senses(api.bytes_of(source, name)[0])
+        senses = target_of(machine_in).senses(bytes_of(source, name)[0])
     data, made, apart, more = between(read, machine_in, machine, entered, senses, feed_um)
     found += more
     if data is not None and profile is None:
@@ -275,10 +278,9 @@ def _no_words(what: str, span: Any) -> Diagnostic:
 
 def as_svg(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
     """Return a picture of a program."""
-    from wedmcam import api
     from wedmcam.reports.picture.program import plot as plot_program
 
-    starts, ends = api.positions(program, machine)
+    starts, ends = block_ends(program, machine)
     picture = plot_program(
         program, starts, ends, title=Path(name).name, facts={"profile": machine.name}
     )
@@ -292,7 +294,6 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     program (rotation, compensation) for the ZD-065's own. An arc that comes out too far from what
     the first program steps is written in more parts.
     """
-    from wedmcam import api
     from wedmcam.backends.wed import hindrance, source, trimmed
     from wedmcam.judge.difference import difference
 
@@ -306,7 +307,7 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
         found = [*left_out, *found]
         if has_errors(found):
             return b"", found
-        made = api.compile(data, profile=own, name=f"{Path(name).name}.wed")
+        made = compile_source(data, profile=own, name=f"{Path(name).name}.wed")
         reason = hindrance(program, machine)
         if not made.ok or made.program is None:
             if reason is not None:

@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 
 from wedmcam.compiler import sources
+from wedmcam.compiler.results import Inspection
 from wedmcam.compiler.sources import Drawn, DrawnPart
 from wedmcam.diag import Diagnostic
+from wedmcam.diag.run import Refused, Run
+from wedmcam.files import Source, bytes_of
 from wedmcam.geom import measure
 from wedmcam.geom import segments as seg
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.ir.understanding import Role, counted
-from wedmcam.options import Options
+from wedmcam.options import Options, options_in_mm
 from wedmcam.programs.understanding import drawn_by
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.compensate.largest import Largest, largest_offset
@@ -29,6 +32,24 @@ LARGEST_UM = 8000.0
 
 #: Outlines of one part, and +1 for each where the wire runs to its left, -1 to its right.
 _Sides = tuple[list[Contour], list[float]]
+
+
+def inspect(
+    source: Source, *, name: str | None = None, options: Options | None = None, **mm: Any
+) -> Inspection:
+    """Return what the reader sees in a drawing, and the largest offset that fits it."""
+    data, name = bytes_of(source, name)
+    options = options if options is not None else options_in_mm(**mm)
+    run = Run(options.strict)
+    drawn = None
+    try:
+        drawn = sources.read(data, name, options, run)
+    except Refused:
+        seen = run.values.get("seen")
+        return Inspection(None, {"input": name}, tuple(run.found), seen)
+    facts, more = facts_of(name, drawn, options)
+    run.found += (*drawn.doubts, *more)
+    return Inspection(drawn, facts, tuple(run.found))
 
 
 def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any], list[Diagnostic]]:

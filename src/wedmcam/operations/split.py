@@ -13,12 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from wedmcam import api
-from wedmcam.api import Compilation, Source
+from wedmcam.compiler.results import Compilation
 from wedmcam.diag.run import Run
+from wedmcam.files import Source, bytes_of
 from wedmcam.ir.program import Kind
 from wedmcam.machines import Machine
+from wedmcam.operations.compile import compile_plan, planned_for
 from wedmcam.options import Options
+from wedmcam.programs.places import block_ends
 from wedmcam.targets import target_of
 
 
@@ -45,14 +47,14 @@ def compile_loads(
         The loads in their order; the whole program where it fits, or where it failed. A contour
         that does not fit alone is a load with the warning ``over-memory``.
     """
-    data, name = api.bytes_of(source, name)
+    data, name = bytes_of(source, name)
     run = Run(options.strict)
-    refused = api.planned_for(data, name, options, [profile], run)
+    refused = planned_for(data, name, options, [profile], run)
     made: list[Compilation] = []
 
     def load_of(asked: Options, output: str) -> Compilation:
         trial, said = run.forked(), named or bool(made)  # said once
-        return api.compile_plan(data, name, profile, asked, trial, output, refused, named=said)
+        return compile_plan(data, name, profile, asked, trial, output, refused, named=said)
 
     whole = load_of(options, output_name)
     if not whole.ok or not _too_large(whole) or whole.plan is None or len(whole.plan.cuts) < 2:
@@ -114,7 +116,7 @@ def moves(loads: tuple[Compilation, ...]) -> list[dict[str, Any]]:
     for before, load in pairwise(loads):
         assert before.program is not None
         assert load.program is not None
-        _, ends = api.positions(before.program, before.machine)
+        _, ends = block_ends(before.program, before.machine)
         here, there = ends[-1], np.array(load.program.origin_um)
         out.append({"start_um": there.tolist(), "move_um": (there - here).tolist()})
     return out

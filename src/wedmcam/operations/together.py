@@ -15,13 +15,17 @@ from typing import TYPE_CHECKING
 
 from wedmcam.diag import Diagnostic, error
 from wedmcam.diag.run import Run
+from wedmcam.files import bytes_of
 from wedmcam.machines import Machine
+from wedmcam.operations.compile import compile_plan, planned_for
 from wedmcam.operations.convert import WITHIN_UM
+from wedmcam.operations.profiles import starts_of
 from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
 from wedmcam.targets import target_of
 
 if TYPE_CHECKING:
-    from wedmcam.api import Compilation, Source
+    from wedmcam.compiler.results import Compilation
+    from wedmcam.files import Source
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,22 +85,18 @@ def compile_several(
         from wedmcam.machines import default
         both = compile_several("bracket.dxf", [default("3b"), default("compact")])
     """
-    from wedmcam import api
-
     made: list[Compilation] = []
     names = list(output_names) or [""] * len(machines)
     options = options or Options()
-    data, name = api.bytes_of(source, name)
+    data, name = bytes_of(source, name)
     run = Run(options.strict)
-    refused = api.planned_for(data, name, options, machines, run)
+    refused = planned_for(data, name, options, machines, run)
     for machine, output in zip(shared(machines), names, strict=True):
         said = named is None or any(machine.is_of(format_) for format_ in named)
-        one = api.compile_plan(
-            data, name, machine, options, run.forked(), output, refused, named=said
-        )
+        one = compile_plan(data, name, machine, options, run.forked(), output, refused, named=said)
         for other in machines:  # whose starts the plan has: whoever verifies plans with them again
             if not machine.is_of(other.format) and target_of(other).moves_starts:
-                one.summary.update(api.starts_of(other))
+                one.summary.update(starts_of(other))
         made.append(one)
         if not one.ok:
             return Several(tuple(made), (), ())

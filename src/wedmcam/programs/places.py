@@ -79,3 +79,12 @@ def _nearest(low: seg.Segments, here: seg.Segments) -> Ints:
     best = np.argmin(rank.reshape(tried.shape), axis=1)
     chosen: Ints = tried[np.arange(len(x)), best]
     return chosen
+
+
+def minutes(path_mm: float, feed_um: float) -> float:
+    """Return the cutting time of a path at ``feed_um`` a minute, without moves and threading.
+
+    >>> minutes(120.0, 2500.0)
+    48.0
+    """
+    return round(1000.0 * path_mm / feed_um, 2)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib import import_module
 
 import numpy as np
 
 from wedmcam.diag import ByteSpan, TextSpan
 from wedmcam.formats import quadrants
-from wedmcam.frontends import DECODERS
 from wedmcam.ir.program import Axis, Kind, Program, in_um
 from wedmcam.machines import Machine
 
@@ -44,17 +42,6 @@ class Row:
     count: int | None
     end: tuple[float, float]
     steps: int
-
-
-def stated(data: bytes, machine: Machine) -> dict[str, str]:
-    """Return what blocks state beyond those of a cutting format, by `Row.where`.
-
-    Of the ZD-065's other formats and of 4B; empty for the rest. `dump` shows the cutting blocks
-    that the controller makes of them (without copies, gap 0).
-    """
-    of_format = getattr(import_module(DECODERS[machine.format]), "stated", None)
-    more: dict[str, str] = {} if of_format is None else of_format(data, machine)
-    return more
 
 
 def dump(program: Program, machine: Machine) -> Iterator[Row]:

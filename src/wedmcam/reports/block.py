@@ -29,8 +29,8 @@ def _at(x: float, y: float) -> str:
 
 def explain_block(program: Program, machine: Machine, data: bytes, number: int) -> Iterator[str]:
     """Yield lines about block ``number`` (1-based) of a program read from ``data``."""
-    from wedmcam.api import positions
     from wedmcam.ir.program import Axis, Kind
+    from wedmcam.programs.places import block_ends
 
     row = number - 1
     block = program.blocks[row]
@@ -40,7 +40,7 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
     yield f"record     {_record(program, row, data)}"
     if machine.axes.said:
         yield f"axes       {machine.axes.said}; what follows is told as the drawing has it"
-    starts, ends = positions(program, machine)
+    starts, ends = block_ends(program, machine)
     start, end = (p[row].tolist() for p in (starts, ends))
     if kind > Kind.MOVE:
         yield f"kind       {words.get(row, kind.name.lower())}; nothing moves, at {_at(*start)} mm"

@@ -20,7 +20,7 @@ from wedmcam.programs.loose import loose
 from wedmcam.programs.places import block_ends
 
 if TYPE_CHECKING:
-    from wedmcam.api import Compilation
+    from wedmcam.compiler.results import Compilation
     from wedmcam.machines import Machine
 
 CUTTING = (Kind.LINE, Kind.ARC)
@@ -56,7 +56,7 @@ def sheet(
         gap_um: spark gap, likewise.
         picture: file of the picture that is written with the sheet; empty for none.
     """
-    from wedmcam.api import plot
+    from wedmcam.reports.plot import plot
 
     assert made.program is not None
     assert made.verdict is not None

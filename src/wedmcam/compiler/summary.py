@@ -1,0 +1,128 @@
+"""The summary of a compile or a proof as plain data: the fields of the certificate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from wedmcam import __version__, machines
+from wedmcam.compiler.sources import Drawn
+from wedmcam.diag import Diagnostic, has_errors
+from wedmcam.diag.run import Run
+from wedmcam.ir.plan import Plan
+from wedmcam.ir.understanding import Understanding
+from wedmcam.judge.certificate import certificate, finding_data, fingerprint
+from wedmcam.judge.verdict import Verdict
+from wedmcam.machines import Machine
+from wedmcam.machines.write import as_toml
+from wedmcam.machines.write import fingerprint as profile_fingerprint
+from wedmcam.options import Options
+from wedmcam.programs.understanding import understood
+
+
+def understood_of(plan: Plan | None) -> Understanding | None:
+    """Return what was understood; None where nothing was planned."""
+    return None if plan is None else understood(plan)
+
+
+def summary_of(
+    found: list[Diagnostic],
+    machine: Machine,
+    options: Options,
+    name: str,
+    data: bytes,
+    output_name: str,
+    out: bytes | None,
+    drawn: Drawn | None,
+    verdict: Verdict | None,
+    understood: Understanding | None,
+) -> dict[str, Any]:
+    """Return the certificate, or what is known of it when there is no verdict."""
+    rows = None if understood is None else understood.as_data()
+    units = drawn.sketch.info.units if drawn else None
+    if verdict is None:
+        return {
+            "input": name,
+            "output": None,
+            "format": machine.format,
+            "units": units,
+            "origin_um": None,
+            "contours": None,
+            "blocks": None,
+            "steps": None,
+            "closure_um": None,
+            "max_deviation_um": None,
+            "gouge_um": None,
+            "offset_um": options.offset_um or 0.0,
+            "side": str(options.effective_side),
+            "diagnostics": [finding_data(d) for d in found],
+            "ok": False,
+            "understood": rows,
+            "arithmetic": options.arithmetic,
+            "sha256": {"input": fingerprint(data)},
+        }
+
+    result = certificate(
+        verdict,
+        found,
+        input_name=name,
+        output_name=output_name,
+        format_name=machine.format,
+        units=units or "",
+        input_bytes=data,
+        output_bytes=out or b"",
+        profile_name=machine.name,
+        profile_sha256=profile_fingerprint(machine),
+        join_um=drawn.report.max_shift_um if drawn else 0.0,
+        spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
+        options=options.as_data(),
+        version=__version__,
+    )
+    result["understood"] = rows
+    result["arithmetic"] = options.arithmetic
+    step = machine.axes.step_um
+    result["step_um"] = int(step) if step == int(step) else step
+    if not machines.is_builtin(machine):
+        # The file may be gone or changed when the program is proven again.
+        result["profile_toml"] = as_toml(machine)
+    if options.d:  # what is entered at the controller belongs to the program
+        result["d_um"] = {str(number): um for number, um in options.d}
+        if machine.iso.entry_factor == 2:
+            result["d_is"] = "diameter"
+    if out is None or not output_name:
+        result["output"] = None
+    result["ok"] = out is not None
+    return result
+
+
+def proof_summary(
+    run: Run,
+    machine: Machine,
+    options: Options,
+    name: str,
+    data: bytes,
+    drawing_name: str,
+    drawing: bytes,
+    drawn: Drawn | None,
+    told: dict[str, Any],
+    verdict: Verdict | None,
+    known: Understanding | None,
+) -> dict[str, Any]:
+    """Return the summary of a proof: the certificate, or the figures of the program alone.
+
+    ``told``: figures of the program where there is no drawing; other arguments as `summary_of`.
+    """
+    if verdict is not None:
+        summary = summary_of(
+            run.found, machine, options, drawing_name, drawing, name, data, drawn, verdict, known
+        )
+        summary["ok"] = not has_errors(run.found)
+        return summary
+    summary = summary_of(
+        run.found, machine, options, drawing_name, drawing, name, None, drawn, None, known
+    )
+    summary |= {"input": drawing_name or None, "output": name, "side": None, "offset_um": None}
+    summary |= told
+    if not drawing:
+        del summary["sha256"], summary["arithmetic"]  # nothing was computed
+        summary["ok"] = not has_errors(run.found)
+    return summary

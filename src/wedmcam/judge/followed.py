@@ -37,7 +37,7 @@ class Held:
     """One piece of material, and the cuts whose wire is held against it.
 
     Attributes:
-        material: as the plan has it.
+        material: as the wire is to leave it (`clearance`).
         own: for each cut of the route, whether it is one of them.
         kept: what of it is to stay.
     """
@@ -139,7 +139,8 @@ def follow(
     held = []
     for material in plan.materials:
         own = closed & np.array([material.holds(c) for c in cuts], bool)
-        held.append(Held(material, own, kept_material(as_left(material), route, own)))
+        left = as_left(material)
+        held.append(Held(left, own, kept_material(left, route, own)))
     role = _roles(route, t)
     lead = np.zeros(len(index), bool)
     lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)

@@ -15,9 +15,7 @@ from wedmcam.diag.run import Refused, Run
 from wedmcam.files import Source, bytes_of
 from wedmcam.machines import Machine
 from wedmcam.operations.arithmetics import difference_um
-from wedmcam.operations.profiles import (
-    machine_for,
-)
+from wedmcam.operations.profiles import machine_for
 from wedmcam.options import Options, WrongUse, options_in_mm
 from wedmcam.reports.source_map import source_map as map_of
 from wedmcam.targets import target_of

@@ -13,9 +13,7 @@ from wedmcam.frontends.iso.dialect import Dialect
 from wedmcam.ir.program import Program
 from wedmcam.judge.totals import figures as figures_of
 from wedmcam.machines import Machine
-from wedmcam.operations.profiles import (
-    reader_machine,
-)
+from wedmcam.operations.profiles import reader_machine
 from wedmcam.options import check_reading, nm_of
 from wedmcam.targets import Entries, target_of
 

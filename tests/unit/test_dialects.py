@@ -246,7 +246,7 @@ def test_it_becomes_3b_and_comes_back(name):
 def test_without_its_profile_it_is_asked_and_its_words_are_named(name):
     _, _, found = read(name, profile=None, format="iso")
     codes = {d.code for d in found if d.severity is Severity.ERROR}
-    assert codes, "a program of a machine that nobody named was read"
+    assert codes, "a program of a machine without a name was read"
     said = "\n".join(f"{d.message} {d.hint}" for d in found)
     asked = {
         "sodick": ["iso-units", "T84", "M98"],

@@ -147,7 +147,7 @@ def test_pauses_moves_and_words():
         "G91\nG01 X10\nM00\nG00 X5 Y5\nM00\nM50\nG01 X10\nM00\nG01 X7\n"
         "M01\nG01 X10 Y1\nM02\nG01 X9\n"
     )
-    assert codes(found) == {"unknown-word", "after-end"}
+    assert codes(found) == {"unknown-word", "after-end", "iso-skip"}
     kinds = [Kind(k).name for k in program.blocks["kind"]]
     assert kinds == ("LINE PAUSE MOVE PAUSE WORD LINE PAUSE MOVE PAUSE LINE STOP".split())
     assert program.words == ((4, "M50"),)

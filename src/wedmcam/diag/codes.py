@@ -911,9 +911,9 @@ CODES: dict[str, Code] = {
         "Shorten the line; header and footer of a profile may be several lines.",
     ),
     "iso-skip": Code(
-        "A block that the operator may skip (/).",
-        "The machine cuts another path with block skip on.",
-        "Remove the slash or the block.",
+        "A block that the operator may skip (/), or an optional stop (M01).",
+        "The machine cuts another path with block skip on; with the optional stop off it goes on.",
+        "Remove the slash or the block; M01 where it is off.",
     ),
     "lone-line": Code(
         "A cut of one line alone between two pauses.",

@@ -455,6 +455,10 @@ def _kinds(r: Reading, m_rows: Ints, ends: tuple[int, ...], stop_line: int) -> I
     kinds = np.full(len(m_rows), int(Kind.WORD))
     kinds[np.isin(codes, iso.PAUSES)] = Kind.PAUSE
     kinds[np.isin(codes, ends)] = Kind.STOP
+    optional = np.zeros(len(w.letter), bool)
+    optional[m_rows[(codes == 1) & (w.line[m_rows] <= stop_line)]] = True
+    why = "an optional stop: read as if it were on, as a pause"
+    r.tell_words(Severity.NOTE, "iso-skip", optional, why, "leave it out where it is off")
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
     plain_word &= w.line[m_rows] <= stop_line
     turns = np.zeros(len(w.letter), bool)

@@ -39,7 +39,7 @@ class Stated:
         square: arcs count on the inscribed square, not on an axis.
         geometric: J by geometry can be asked for (``--count textbook``).
         words: a pattern of the bare control words that the format keeps; empty for none.
-        kin: formats of which it keeps every word.
+        kin: formats whose words it keeps, all of them.
         pairs: a line alone between two pauses would be read as a move.
         end: there is a record for the end of the file beside that for the end of cutting.
         turns: a block may hold more than a turn.

@@ -3,9 +3,9 @@
 Every block is offset by itself and meets the next one: an arc about the corner joins them outside,
 inside both end where they cross. The controller knows nothing else. So an outline may run on over
 its own start (an overlap), or several times round: the path is the same again. What one block of
-look-ahead cannot make is refused: a block of which nothing is left, one that runs back on an
-earlier one (there the wire would be on the other side), and a path that comes nearer to any block
-than the offset, for there it cuts into what that block bounds.
+look-ahead cannot make is refused: a block that the offset leaves nothing of, one that runs back on
+an earlier one (there the wire would be on the other side), and a path that comes nearer to any
+block than the offset, for there it cuts into what that block bounds.
 
 This is no part of ``compensate``, which knows the whole outline, keeps what is far enough from all
 of it, and would have to tell a second pass from a wall.

@@ -35,7 +35,7 @@ def lengths_of(
 ) -> dict[str, Ints]:
     """Return the lengths of each letter in nm; 0 where there are none.
 
-    ``used``: lines of which X and Y, and of which I, J and R lead somewhere.
+    ``used``: the lines whose X and Y lead somewhere, and those whose I, J and R do.
     """
     said, how = r.dialect, r.machine.iso
     um = how.integers == "um"

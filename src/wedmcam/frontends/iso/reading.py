@@ -68,7 +68,7 @@ class Reading:
         self.spans = TextSpans(self.file, self.plain.codes, self.words.line_start, size)
 
     def line_of(self, at: int) -> int:
-        """Return the first line that is run of which a character is; the last for one of none."""
+        """Return the line of a character, as it is first run; the last line for one in none."""
         line = int(np.searchsorted(self._ends, at))
         return line if self.order is None else int(self._first_run[line])
 

@@ -64,7 +64,7 @@ class Words:
     def titles(self) -> Ints:
         """Return the lines that are text: letters that no number follows, before any other word.
 
-        A line of which one letter alone has lost its number is a wrong word, and no text.
+        A line in which a single letter has lost its number holds a wrong word, and is no text.
         """
         alone = ~self.good & (self.end - self.start == 1)
         if not alone.any():

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.backends.checks import Checks, travel
-from wedmcam.diag import Diagnostic, Severity, warning
-from wedmcam.formats import compact, lines, quadrants
+from wedmcam.backends.zd065.memory import Memory
+from wedmcam.diag import Diagnostic, Severity
+from wedmcam.formats import compact, lines
 from wedmcam.formats.lengths import mm_of
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Machine
@@ -59,38 +60,14 @@ def encode(
     if checks.failed:
         return b"", checks.found
 
-    quadrant = quadrants.quadrant(x, y, turn)
-    after_move = np.zeros(len(kinds), dtype=bool)
-    after_move[1:] = move[:-1]
-    thread = (kinds == Kind.THREAD) | ((kinds == Kind.PAUSE) & after_move)
-    base = np.select(
-        [arc & (turn > 0), arc, move, straight, thread],
-        [compact.CCW, compact.CW, compact.MOVE, compact.LINE, compact.THREAD],
-        compact.PAUSE,
-    )
-    code = (base + np.where(arc | straight, quadrant, 0)).astype(np.uint8)
-    sizes = np.frombuffer(compact.LENGTH, dtype=np.uint8)[code].astype(np.int64)
-    sizes[end] = 0
-    at = np.cumsum(sizes) - sizes
-    total = int(sizes.sum())
-    data = np.zeros(total + 1, dtype=np.uint8)  # the last byte is the end byte
-    data[at[~end]] = code[~end]
-
-    def column(which: NDArray[np.bool_], offset: int, size: int, of: NDArray[np.int64]) -> None:
-        place = at[which][:, None] + offset + np.arange(size)
-        data[place] = compact.column_to_bcd(np.abs(of[which]), size)
-
-    column(arc, 1, 4, x)
-    column(arc, 5, 4, y)
-    column(arc, 9, 3, count)
-    column(straight, 1, 3, x)
-    column(straight, 4, 3, y)
-    memory = machine.limits.memory_bytes
-    if memory and total + 1 > memory:
-        parts = compact.loads(sizes, memory)
-        text = f"{total + 1} bytes; the memory of {machine.name} holds {memory}: {parts} loads"
-        checks.found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
-    return data.tobytes(), checks.found
+    memory = Memory(kinds, turn, x, y, compact.LENGTH)
+    memory.put(arc, 1, 4, x)
+    memory.put(arc, 5, 4, y)
+    memory.put(arc, 9, 3, count)
+    memory.put(straight, 1, 3, x)
+    memory.put(straight, 4, 3, y)
+    checks.found += memory.too_large(machine)
+    return memory.data.tobytes(), checks.found
 
 
 def _fields(

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from wedmcam.backends.checks import Checks, mm
 from wedmcam.backends.zd065.compact import encode as encode_compact
+from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.controllers.zd065 import GAPPED, compensated
-from wedmcam.diag import Diagnostic, Severity, has_errors, warning
-from wedmcam.formats import compact, lines, quadrants
+from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import compensation as gap
+from wedmcam.formats import lines
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
 
@@ -63,13 +64,8 @@ def encode(
     found += checks.found
     if figure is None:
         return b"", found
-    data, sizes = _bytes(figure)
-    memory = machine.limits.memory_bytes
-    if memory and len(data) > memory:
-        parts = compact.loads(sizes, memory)
-        text = f"{len(data)} bytes; the memory of {machine.name} holds {memory}: {parts} loads"
-        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
-    return data, found
+    memory = _written(figure)
+    return memory.data.tobytes(), [*found, *memory.too_large(machine)]
 
 
 def stated(
@@ -277,38 +273,16 @@ def closed(
     return figure, lost
 
 
-def _bytes(figure: NDArray[np.void]) -> tuple[bytes, Ints]:
-    """Return the data with the end byte, and the size of each block."""
-    kind, turn = figure["kind"], figure["turn"]
-    arc, move = kind == Kind.ARC, kind == Kind.MOVE
-    straight = move | (kind == Kind.LINE)
-    end = (kind == Kind.STOP) | (kind == Kind.END)
-    after_move = np.zeros(len(kind), dtype=bool)
-    after_move[1:] = move[:-1]
-    thread = (kind == Kind.THREAD) | ((kind == Kind.PAUSE) & after_move)
-    base = np.select(
-        [arc & (turn > 0), arc, move, straight, thread],
-        [compact.CCW, compact.CW, compact.MOVE, compact.LINE, compact.THREAD],
-        compact.PAUSE,
-    )
-    quadrant = quadrants.quadrant(figure["x"], figure["y"], turn)
-    code = (base + np.where(arc | straight, quadrant, 0)).astype(np.uint8)
-    sizes = np.frombuffer(gap.LENGTH, dtype=np.uint8)[code].astype(np.int64)
-    sizes[end] = 0
-    at = np.cumsum(sizes) - sizes
-    data = np.zeros(int(sizes.sum()) + 1, dtype=np.uint8)
-    data[at[~end]] = code[~end]
-
-    def column(which: NDArray[np.bool_], offset: int, size: int, of: Ints) -> None:
-        place = at[which][:, None] + offset + np.arange(size)
-        data[place] = compact.column_to_bcd(np.abs(of[which]).astype(np.int64), size)
-
+def _written(figure: NDArray[np.void]) -> Memory:
+    """Return the data of a figure."""
+    memory = Memory(figure["kind"], figure["turn"], figure["x"], figure["y"], gap.LENGTH)
+    arc, straight = memory.arc, memory.straight
     types = np.where(figure["grows"] > 0, gap.GROWS, gap.SHRINKS).astype(np.uint8)
-    data[at[arc] + 1] = types[arc]
-    column(arc, 2, 4, figure["radius"])
-    column(arc, 6, 4, figure["x"])
-    column(arc, 10, 4, figure["y"])
-    column(arc, 14, 3, figure["count"])
-    column(straight, 1, 3, figure["x"])
-    column(straight, 4, 3, figure["y"])
-    return data.tobytes(), sizes
+    memory.data[memory.at[arc] + 1] = types[arc]
+    memory.put(arc, 2, 4, figure["radius"])
+    memory.put(arc, 6, 4, figure["x"])
+    memory.put(arc, 10, 4, figure["y"])
+    memory.put(arc, 14, 3, figure["count"])
+    memory.put(straight, 1, 3, figure["x"])
+    memory.put(straight, 4, 3, figure["y"])
+    return memory

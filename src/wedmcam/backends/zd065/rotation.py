@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from wedmcam.backends.checks import Checks, mm
 from wedmcam.backends.zd065.compact import encode as encode_compact
+from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers.zd065 import POLAR, rotated
-from wedmcam.diag import Diagnostic, Severity, has_errors, warning
-from wedmcam.formats import compact, lines, quadrants, rotation
+from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.formats import lines, rotation
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
@@ -67,13 +68,8 @@ def encode(
     found += checks.found
     if checks.failed:
         return b"", found
-    data, sizes = _bytes(blocks, figure, x, y)
-    memory = machine.limits.memory_bytes
-    if memory and len(data) > memory:
-        parts = compact.loads(sizes, memory)
-        text = f"{len(data)} bytes; the memory of {machine.name} holds {memory}: {parts} loads"
-        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
-    return data, found
+    memory = _written(blocks, figure, x, y)
+    return memory.data.tobytes(), [*found, *memory.too_large(machine)]
 
 
 def polar(blocks: NDArray[np.void], x: Ints, y: Ints) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
@@ -150,41 +146,16 @@ def _sweep(
     return np.asarray(np.abs(end - start))
 
 
-def _bytes(
-    blocks: NDArray[np.void], figure: NDArray[np.void], x: Ints, y: Ints
-) -> tuple[bytes, Ints]:
-    """Return the data with the end byte, and the size of each block."""
-    kind, turn = blocks["kind"], blocks["turn"]
-    arc, move = kind == Kind.ARC, kind == Kind.MOVE
-    straight = move | (kind == Kind.LINE)
-    end = (kind == Kind.STOP) | (kind == Kind.END)
-    after_move = np.zeros(len(kind), dtype=bool)
-    after_move[1:] = move[:-1]
-    thread = (kind == Kind.THREAD) | ((kind == Kind.PAUSE) & after_move)
-    base = np.select(
-        [arc & (turn > 0), arc, move, straight, thread],
-        [compact.CCW, compact.CW, compact.MOVE, compact.LINE, compact.THREAD],
-        compact.PAUSE,
-    )
-    quadrant = quadrants.quadrant(x, y, turn)
-    code = (base + np.where(arc | straight, quadrant, 0)).astype(np.uint8)
-    sizes = np.frombuffer(rotation.LENGTH, dtype=np.uint8)[code].astype(np.int64)
-    sizes[end] = 0
-    at = np.cumsum(sizes) - sizes
-    data = np.zeros(int(sizes.sum()) + 1, dtype=np.uint8)
-    data[at[~end]] = code[~end]
-
-    def column(which: NDArray[np.bool_], offset: int, size: int, of: Ints) -> None:
-        place = at[which][:, None] + offset + np.arange(size)
-        data[place] = compact.column_to_bcd(of[which], size)
-
-    moving = arc | straight
+def _written(blocks: NDArray[np.void], figure: NDArray[np.void], x: Ints, y: Ints) -> Memory:
+    """Return the data of blocks whose angles and sizes are a figure's."""
+    memory = Memory(blocks["kind"], blocks["turn"], x, y, rotation.LENGTH)
+    arc, straight = memory.arc, memory.straight
     exponent, significand = rotation.angle_fields(figure["start"])
-    column(moving, 1, 1, exponent)
-    column(moving, 2, 4, significand)
-    column(arc, 6, 4, figure["size"])
-    column(straight, 6, 3, figure["size"])
+    memory.put(arc | straight, 1, 1, exponent)
+    memory.put(arc | straight, 2, 4, significand)
+    memory.put(arc, 6, 4, figure["size"])
+    memory.put(straight, 6, 3, figure["size"])
     exponent, significand = rotation.angle_fields(figure["sweep"])
-    column(arc, 10, 1, exponent)
-    column(arc, 11, 4, significand)
-    return data.tobytes(), sizes
+    memory.put(arc, 10, 1, exponent)
+    memory.put(arc, 11, 4, significand)
+    return memory

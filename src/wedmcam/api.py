@@ -1,29 +1,34 @@
 """The library: the names that a user imports, whatever room they come from.
 
 These functions take bytes or a path, and return values; they print nothing and write nothing. A
-path is read in `files` and nowhere deeper. Lengths are mm where a keyword says none.
+path is read in `files` and nowhere deeper. Lengths are mm where a keyword says none. A name is
+fetched when it is first used: who dumps a program loads no reader of drawings.
 """
 
 from __future__ import annotations
 
-from wedmcam.compiler.results import Compilation, Inspection, Proof
-from wedmcam.files import Source, bytes_of
-from wedmcam.operations.compile import (
-    arithmetic_difference,
-    compile,
-    compile_plan,
-    planned_for,
-    source_map,
-)
-from wedmcam.operations.diff import diff, difference_data
-from wedmcam.operations.inspect import inspect
-from wedmcam.operations.profiles import machine_for, machine_issued, starts_of
-from wedmcam.operations.read import figures, read_program
-from wedmcam.operations.verify import verify, with_images
-from wedmcam.options import options_in_mm
-from wedmcam.programs.places import block_ends as positions
-from wedmcam.programs.places import minutes
-from wedmcam.reports.plot import path_drawing, plot, plot_html
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wedmcam.compiler.results import Compilation, Inspection, Proof
+    from wedmcam.files import Source, bytes_of
+    from wedmcam.operations.compile import (
+        arithmetic_difference,
+        compile,
+        compile_plan,
+        planned_for,
+        source_map,
+    )
+    from wedmcam.operations.diff import diff, difference_data
+    from wedmcam.operations.inspect import inspect
+    from wedmcam.operations.profiles import machine_for, machine_issued, starts_of
+    from wedmcam.operations.read import figures, read_program
+    from wedmcam.operations.verify import verify, with_images
+    from wedmcam.options import options_in_mm
+    from wedmcam.programs.places import block_ends as positions
+    from wedmcam.programs.places import minutes
+    from wedmcam.reports.plot import path_drawing, plot, plot_html
 
 __all__ = [
     "Compilation",
@@ -53,3 +58,33 @@ __all__ = [
     "verify",
     "with_images",
 ]
+
+#: Room -> the names that come from it.
+_ROOMS: dict[str, tuple[str, ...]] = {
+    "wedmcam.compiler.results": ("Compilation", "Inspection", "Proof"),
+    "wedmcam.files": ("Source", "bytes_of"),
+    "wedmcam.operations.compile": (
+        "arithmetic_difference",
+        "compile",
+        "compile_plan",
+        "planned_for",
+        "source_map",
+    ),
+    "wedmcam.operations.diff": ("diff", "difference_data"),
+    "wedmcam.operations.inspect": ("inspect",),
+    "wedmcam.operations.profiles": ("machine_for", "machine_issued", "starts_of"),
+    "wedmcam.operations.read": ("figures", "read_program"),
+    "wedmcam.operations.verify": ("verify", "with_images"),
+    "wedmcam.options": ("options_in_mm",),
+    "wedmcam.programs.places": ("minutes",),
+    "wedmcam.reports.plot": ("path_drawing", "plot", "plot_html"),
+}
+_ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "positions":
+        return import_module("wedmcam.programs.places").block_ends
+    if name not in _ROOM_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_ROOM_OF[name]), name)

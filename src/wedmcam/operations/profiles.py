@@ -6,13 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from wedmcam import machines
-from wedmcam.frontends.identify import identify
 from wedmcam.machines import Machine
 from wedmcam.machines.write import as_toml
-from wedmcam.options import (
-    FORMAT_OF_SUFFIX,
-    WrongUse,
-)
+from wedmcam.options import FORMAT_OF_SUFFIX, WrongUse
 from wedmcam.targets import Target, target_of
 
 
@@ -82,6 +78,8 @@ def reader_machine(
     if format_ is None and profile is None:
         format_ = FORMAT_OF_SUFFIX.get(Path(name).suffix.lower())
         if format_ is None:
+            from wedmcam.frontends.identify import identify  # reads ISO: not for every program
+
             seen = identify(data).format
             format_ = seen if seen in machines.DEFAULTS else "3b"
     if profile is None and format_ in machines.DEFAULTS:

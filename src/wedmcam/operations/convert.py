@@ -194,7 +194,7 @@ def _lost(d: Diagnostic) -> Diagnostic:
     if d.code != "iso-harmless":
         return d
     hint = "see to it at the machine"
-    return replace(d, code="not-carried", severity=Severity.WARNING, hint=hint)
+    return replace(d, code="not-carried", severity=Severity.WARNING, hint_template=hint)
 
 
 def _warned(found: list[Diagnostic]) -> bool:

@@ -211,7 +211,7 @@ def _lost(data: bytes, plan: Plan, machine: Machine, table: dict[int, float]) ->
     x, y = plan.cuts[0].thread
     place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
     return [
-        replace(d, message=f"{d.message}; the program starts at {place}", span=None, hint=OTHER)
+        replace(d.extended(f"; the program starts at {place}"), span=None, hint_template=OTHER)
         for d in found
         if d.severity is Severity.ERROR
     ]
@@ -333,7 +333,7 @@ def _nearer(
 def _far(why: Diagnostic) -> Diagnostic:
     """Return the error of a writer whose outline no choice of the grid makes good."""
     text = f"the outline and the controller's path are both rounded to its grid: {why.message}"
-    return replace(why, code="not-reachable", message=text, span=None, hint=OTHER)
+    return replace(why, code="not-reachable", template=text, span=None, hint_template=OTHER)
 
 
 def _strays(

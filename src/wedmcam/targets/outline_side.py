@@ -68,7 +68,9 @@ def grown(
         found += [] if problem is None else [problem]
     contours = [ring.contour for ring in rings]
     found += [
-        replace(d, hint=CURE) for d in contour_meetings(contours) if d.severity is Severity.ERROR
+        replace(d, hint_template=CURE)
+        for d in contour_meetings(contours)
+        if d.severity is Severity.ERROR
     ]
     if found:
         return None, found

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Severity, has_errors, note
+from wedmcam.diag import Diagnostic, Place, Severity, has_errors, note
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
@@ -92,13 +92,11 @@ class Scaled(Stated):
         """
         _, found = self.read(data, "program", entries)
         x, y = plan.cuts[0].thread
-        place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
         return [
             replace(
-                d,
-                message=f"{d.message}, in the program that starts at {place}",
+                d.extended(", in the program that starts at {start}", start=Place.of_um(x, y)),
                 span=None,
-                hint=f"another --corner or gap, or --to {self.instead}",
+                hint_template=f"another --corner or gap, or --to {self.instead}",
             )
             for d in found
             if d.severity is Severity.ERROR

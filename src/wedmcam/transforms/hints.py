@@ -30,8 +30,10 @@ def _hinted(d: Diagnostic) -> Diagnostic:
     if not names:
         return d
     options = " ".join(f"--ignore-linetype {quoted(name)}" for name in names)
-    more = f"; {options} leaves that line type out" if d.hint else f"{options} leaves it out"
-    return replace(d, hint=(d.hint or "") + more)
+    more = (
+        f"; {options} leaves that line type out" if d.hint_template else f"{options} leaves it out"
+    )
+    return replace(d, hint_template=(d.hint_template or "") + more)
 
 
 def quoted(name: str) -> str:

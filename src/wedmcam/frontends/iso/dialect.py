@@ -122,7 +122,9 @@ class Question:
         severity = Severity.WARNING if shown else Severity.ERROR
         what = f"assumed: {self.assumed}. {self.what}" if shown else self.what
         span = spans.at(self.at, self.length)
-        return Diagnostic(severity, self.code, what, span, hint=self.hint, count=self.count)
+        return Diagnostic(
+            severity, self.code, what, span, hint_template=self.hint, count=self.count
+        )
 
 
 def of_coordinates(lines: Ints, w: Words, text: Plain, incremental: bool) -> list[Question]:

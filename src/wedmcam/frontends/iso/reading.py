@@ -91,7 +91,7 @@ class Reading:
                 place = self.spans.at(at, end - at)
                 count = len(where)
                 self.found.append(
-                    (at, Diagnostic(severity, code, what, place, hint=hint, count=count))
+                    (at, Diagnostic(severity, code, what, place, hint_template=hint, count=count))
                 )
             return
         for i, d in listed(

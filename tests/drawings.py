@@ -11,7 +11,8 @@ import ezdxf
 import numpy as np
 
 from wedmcam.diag import Diagnostic, EntityRef
-from wedmcam.frontends.dxf import DxfOptions, read
+from wedmcam.frontends.dxf import read
+from wedmcam.frontends.options import DrawingReading
 from wedmcam.ir.sketch import SEGMENT, Sketch
 
 VERSIONS = ("R12", "R2000", "R2004", "R2007", "R2010", "R2013", "R2018")
@@ -41,7 +42,8 @@ def bare(*entities: str, header: str = "  9\n$INSUNITS\n 70\n     4\n") -> bytes
 
 
 def got(data: bytes, **options: Any) -> tuple[Sketch, tuple[Diagnostic, ...]]:
-    sketch, found = read(data, "part.dxf", DxfOptions(**options))
+    wished = options.pop("wished", None)
+    sketch, found = read(data, "part.dxf", DrawingReading(**options), wished)
     assert sketch is not None, found
     return sketch, found
 

@@ -1,6 +1,6 @@
-"""What values an option takes, as data: one table for the command line, settings and library.
+"""Ranges of lengths.
 
-Whatever a user says is held against this where it is read, so that nothing deeper meets a length
+Whatever a user says is held against one where it is read, so that nothing deeper meets a length
 that is negative, endless or no number. Without imports: every command fetches it.
 """
 
@@ -39,23 +39,5 @@ def _mm(um: float) -> str:
     return f"{um / 1e3:g} mm" if abs(um) >= 1 else f"{um:.6f}".rstrip("0") + " um" if um else "0"
 
 
-#: Field of `options.Options`, or parameter of a command, in um -> what it takes.
-LENGTHS: dict[str, Range] = {
-    "join_um": Range(0.0),
-    # Below a nanometre no arcs follow a spline: that is said of the drawing (`coarse-spline`).
-    "tolerance_um": Range(1e-6, 10_000.0),
-    "offset_um": Range(0.0),
-    "wire_um": Range(0.001),
-    "gap_um": Range(0.0),
-    "clearance_um": Range(0.0),
-    "corner_um": Range(0.0),
-    "thin_wall_um": Range(0.0),
-    "lead_um": Range(0.0),
-    # No step is shorter than 1 um.
-    "stop_um": Range(1.0, none=True),
-    "overcut_um": Range(1.0, none=True),
-    "feed_um": Range(0.001),
-    "within_um": Range(0.0),
-}
 #: Coordinates of a thread point or an origin, um.
 PLACE = Range()

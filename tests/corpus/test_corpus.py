@@ -19,7 +19,8 @@ import pytest
 
 from wedmcam import api
 from wedmcam.diag import Severity
-from wedmcam.frontends.dxf import DxfOptions, read
+from wedmcam.frontends.dxf import read
+from wedmcam.frontends.options import DrawingReading
 from wedmcam.operations import convert as conversion
 from wedmcam.transforms.chain import chain
 
@@ -47,7 +48,7 @@ def of(found, *, errors):
 @pytest.mark.parametrize("row", ROWS, ids=named)
 def test_drawing(row, folder):
     data = (folder / row["file"]).read_bytes()
-    options = DxfOptions(units=row["units"] or None)
+    options = DrawingReading(units=row["units"] or None)
     if row["units"]:
         _, found = read(data, row["file"])
         assert {"no-units", "unlikely-units"} & {d.code for d in found}

@@ -16,8 +16,8 @@ from wedmcam import __main__, api, machines
 from wedmcam.cli.main import cli
 from wedmcam.cli.settings import known_options, of_one_run
 from wedmcam.machines.read import _SCHEMA
+from wedmcam.option_table import ROWS, Kind, field_rows
 from wedmcam.options import Options, WrongUse
-from wedmcam.ranges import LENGTHS
 
 SQUARE = parts.dxf_bytes((parts.rectangle(2_000, 1_000),))
 #: What no option takes, or only one of another kind.
@@ -169,16 +169,18 @@ def test_field_a_wrong_value_names_its_option_and_what_it_takes(folder, capfd, o
     assert takes in err
 
 
-@pytest.mark.parametrize("field", sorted(set(LENGTHS) & set(Options.__dataclass_fields__)))
+@pytest.mark.parametrize(
+    "field", sorted(row.name for row in field_rows() if row.kind is Kind.LENGTH)
+)
 @pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf"), 1e300, "1", True, [1], {}])
 def test_the_library_refuses_the_same_values(field, value):
     with pytest.raises(WrongUse, match=f"--{field[:-3].replace('_', '-')} takes"):
-        Options(**{field: value})
+        Options.of(**{field: value})
 
 
 @pytest.mark.parametrize("value", VALUES, ids=str)
 def test_options_of_a_certificate_may_be_anything(value):
-    for field in Options.__dataclass_fields__:
+    for field in ROWS:
         try:
             Options.from_data({field: value})
         except WrongUse:

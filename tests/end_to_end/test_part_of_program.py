@@ -89,7 +89,7 @@ def test_an_open_path_and_ratio_lines() -> None:
 
 
 def test_stop_and_overcut_and_several_contours() -> None:
-    options = Options(offset_um=100, stop_um=2000, overcut_um=700)
+    options = Options.of(offset_um=100, stop_um=2000, overcut_um=700)
     made = api.compile(ROOT / "samples/plate.dxf", options=options)
     text, told = again(made.data, "plate.3b")
     assert told.largest_um <= 1.0
@@ -141,7 +141,7 @@ def test_what_has_no_place_is_said() -> None:
 
 @pytest.mark.parametrize("seed", range(0, 60, 4))
 def test_random_parts_come_back(seed: int) -> None:
-    made = api.compile(dxf_bytes(random_part(seed)), options=Options(offset_um=100))
+    made = api.compile(dxf_bytes(random_part(seed)), options=Options.of(offset_um=100))
     assert made.ok
     _, told = again(made.data, "part.3b")
     assert told.equal

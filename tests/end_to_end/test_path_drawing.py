@@ -30,7 +30,7 @@ def drawing_of(name: str) -> tuple[bytes, bytes]:
 def test_a_drawn_path_makes_the_same_program(name: str) -> None:
     data, drawing = drawing_of(name)
     # Contours are drawn in the order in which they are cut; a part program's need not be ours.
-    options = Options(layers=("CUT", "START"), join_um=1.5, order=Order.GIVEN)
+    options = Options.of(layers=("CUT", "START"), join_um=1.5, order=Order.GIVEN)
     again = api.compile(drawing, name="path.dxf", options=options)
     assert again.ok, [str(d) for d in again.findings]
     assert again.data is not None
@@ -63,7 +63,7 @@ def test_the_same_bytes_without_a_date() -> None:
 
 def test_leads_overcut_stops_and_moves_have_their_layers(tmp_path: Path) -> None:
     made = api.compile(
-        ROOT / "samples/plate.dxf", options=Options(offset_um=100, stop_um=2000, overcut_um=700)
+        ROOT / "samples/plate.dxf", options=Options.of(offset_um=100, stop_um=2000, overcut_um=700)
     )
     assert made.ok
     assert made.program is not None

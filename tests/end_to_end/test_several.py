@@ -132,7 +132,7 @@ def test_an_outline_in_g41_goes_with_the_path_in_3b(name, profile):
     """Starts are placed once; a controller that makes its path is held to the plan."""
     machines = [builtin("b3-compact"), builtin(profile)]
     both = compile_several(
-        ROOT / "samples" / f"{name}.dxf", machines, options=Options(offset_um=100.0)
+        ROOT / "samples" / f"{name}.dxf", machines, options=Options.of(offset_um=100.0)
     )
     assert both.ok, [d.message for d in both.findings]
     threads = [[c.thread for c in one.plan.cuts] for one in both.made]

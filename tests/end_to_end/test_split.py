@@ -24,7 +24,7 @@ def small(format_: str, most: int) -> machines.Machine:
 @pytest.mark.parametrize(("format_", "most"), [("3b", 30), ("3b", 12), ("compact", 200)])
 def test_loads_fit_and_cut_everything_once(format_: str, most: int) -> None:
     machine = small(format_, most)
-    options = Options(offset_um=100.0)
+    options = Options.of(offset_um=100.0)
     whole = api.compile(PLATE, profile=machine, options=options)
     assert any(d.code == "over-memory" for d in whole.findings)
     made = loads.compile_loads(PLATE, profile=machine, options=options, output_name="a.x")

@@ -32,7 +32,7 @@ def key(doc, msp):
 
 
 def compiled(draw, *transforms, to="compact", **more):
-    options = Options(transforms=transforms, **more)
+    options = Options.of(transforms=transforms, **more)
     return wedmcam.compile(drawing(draw), to=to, name="a.dxf", options=options)
 
 
@@ -48,7 +48,7 @@ def test_a_stator_from_one_slot(to):
 
 
 def test_the_options_of_a_certificate_are_read_back():
-    options = Options(transforms=("mirror 45", "rotate 3"))
+    options = Options.of(transforms=("mirror 45", "rotate 3"))
     assert Options.from_data({"transforms": ["mirror 45", "rotate 3"]}) == options
 
 

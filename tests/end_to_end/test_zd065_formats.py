@@ -71,7 +71,7 @@ def test_corners_are_refused_unless_rounded():
 
 def test_a_fraction_of_a_um_is_wrong_use():
     with pytest.raises(WrongUse, match="whole um"):
-        wedmcam.compile(rounded(0), to="compensation", options=Options(offset_um=100.5))
+        wedmcam.compile(rounded(0), to="compensation", options=Options.of(offset_um=100.5))
 
 
 def test_random_rounded_parts_are_proven_or_refused():

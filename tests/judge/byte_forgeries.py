@@ -86,7 +86,7 @@ def edits(made: Any, seed: int) -> Iterator[Forged]:
         ):
             continue
         other = Program(blocks, program.origin, step_um=program.step_um)
-        data, _ = target.write(other, made.plan, made.entries, made.options)
+        data, _ = target.write(other, made.plan, made.entries)
         if data and data != made.data:
             yield Forged(f"block {row + 1}: {what}", data)
 

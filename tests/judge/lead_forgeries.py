@@ -217,7 +217,7 @@ def passes(made: Any, program: Program, ours: bool) -> bool:
 
 def counted(made: Any) -> str:
     """Return the counting in force."""
-    return made.options.count or made.machine.count
+    return made.options.judging.count or made.machine.count
 
 
 def strict(made: Any, program: Program) -> bool:

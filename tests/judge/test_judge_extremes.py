@@ -55,7 +55,7 @@ def test_the_same_as_measuring(name, table):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_random_parts(seed):
-    options, run = Options(offset_um=100.0), Run()
+    options, run = Options.of(offset_um=100.0), Run()
     drawn = sources.read(parts.dxf_bytes(parts.random_part(seed)), "part", options, run)
     plan = sources.where_the_wire_goes(drawn, options, run)
     program = lower(plan, LineTable.ROTATE)

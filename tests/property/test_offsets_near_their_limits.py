@@ -53,8 +53,8 @@ def outcome(contours, profile="b3-compact", **options):
     """Return the stage at which a compile stopped, empty where it did not, and the findings."""
     sketch = Sketch(np.zeros(0, SEGMENT))
     target, run = target_of(machines.builtin(profile)), Run()
-    asked = Options(**options)
-    groups = (Group(rule_of("", asked), tuple(contours)),)
+    asked = Options.of(**options)
+    groups = (Group(rule_of("", asked.cutting), tuple(contours)),)
     report = ChainReport(len(contours), 0)
     drawn = Drawn(sketch, tuple(contours), report, nest(contours), False, groups=groups)
     try:

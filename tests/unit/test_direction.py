@@ -22,7 +22,7 @@ TOOTH = (
 
 
 def compiled(text: str, to: str = "3b", **options: object) -> api.Compilation:
-    made = api.compile(text.encode(), to=to, name="x.wed", options=Options(**options))  # type: ignore[arg-type]
+    made = api.compile(text.encode(), to=to, name="x.wed", options=Options.of(**options))  # type: ignore[arg-type]
     assert made.ok, made.findings
     return made
 

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 
 from drawings import as_binary, bare, codes, drawing, got
 from wedmcam.diag import ByteSpan, Severity, TextSpan
-from wedmcam.frontends.dxf import DxfOptions, read
+from wedmcam.frontends.dxf import read
 from wedmcam.frontends.dxf.contradictions import AT_POINT, SINGLE
 from wedmcam.frontends.dxf.tags import tags_of_binary, tags_of_text
+from wedmcam.frontends.options import DrawingReading
 
 RING = "0 CIRCLE 8 0 10 20 20 10 40 5"
 OUTLINE = (
@@ -49,7 +50,7 @@ def insert(name: str, more: str = "") -> str:
 
 
 def said(data: bytes, **options) -> list[str]:
-    found = read(data, "part.dxf", DxfOptions(**{"units": "mm", **options}))[1]
+    found = read(data, "part.dxf", DrawingReading(**{"units": "mm", **options}))[1]
     skip = ("repaired-drawing", "units-overridden", "approximated")
     return [f"{d.severity}[{d.code}]" for d in found if d.code not in skip]
 

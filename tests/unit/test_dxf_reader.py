@@ -6,7 +6,8 @@ import pytest
 
 from drawings import VERSIONS, bare, codes, drawing, got, rows
 from wedmcam.diag import Severity
-from wedmcam.frontends.dxf import DxfOptions, read
+from wedmcam.frontends.dxf import read
+from wedmcam.frontends.options import DrawingReading
 from wedmcam.geom.segments import make
 
 
@@ -550,5 +551,5 @@ def test_line_ends_and_byte_order_mark():
 
 
 def test_options_reach_the_reader():
-    assert read(drawing(draw_layers), "x.dxf", DxfOptions())[0] is not None
+    assert read(drawing(draw_layers), "x.dxf", DrawingReading())[0] is not None
     assert ezdxf.__version__

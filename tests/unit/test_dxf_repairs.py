@@ -8,7 +8,8 @@ import pytest
 
 from drawings import as_binary, bare, codes, drawing, got, rows
 from wedmcam.diag import Severity, has_errors
-from wedmcam.frontends.dxf import DxfOptions, read
+from wedmcam.frontends.dxf import read
+from wedmcam.frontends.options import DrawingReading
 
 ORDERS = list(itertools.product((-1, 0, 1), repeat=3))
 MARKS = list(itertools.product(("", "100 AcDbEntity", "100 AcDbX"), repeat=2))
@@ -31,7 +32,7 @@ def modern(*entities: str) -> bytes:
 
 
 def said(data: bytes, **options: object) -> list[str]:
-    return [f"{d.severity}[{d.code}]" for d in read(data, "part.dxf", DxfOptions(**options))[1]]
+    return [f"{d.severity}[{d.code}]" for d in read(data, "part.dxf", DrawingReading(**options))[1]]
 
 
 # --- subclass markers -------------------------------------------------------------------------
@@ -166,7 +167,7 @@ def test_a_boundary_that_is_damaged_could_be_an_outline():
         "note[type-left-out]"
     )
     assert not has_errors(
-        read(modern(FRAME, "0 HATCH 5 A1 8 NO 91 x"), "x", DxfOptions(ignore_layers=("NO",)))[1]
+        read(modern(FRAME, "0 HATCH 5 A1 8 NO 91 x"), "x", DrawingReading(ignore_layers=("NO",)))[1]
     )
 
 
@@ -197,7 +198,7 @@ def test_what_would_be_cut_is_refused_by_name_and_line(entity, word):
         read(
             data.replace(b"\nCUT\n", b"\nNO\n", 99).replace(b"\nNO\n", b"\nCUT\n", 2),
             "x",
-            DxfOptions(ignore_layers=("NO",)),
+            DrawingReading(ignore_layers=("NO",)),
         )[1]
     )
 

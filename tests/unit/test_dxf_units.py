@@ -1,7 +1,8 @@
 import pytest
 
 from drawings import codes, drawing, got
-from wedmcam.frontends.dxf import DxfOptions, read
+from wedmcam.frontends.dxf import read
+from wedmcam.frontends.options import DrawingReading
 
 
 def line(length):
@@ -107,5 +108,5 @@ def test_measurement_contradicts(units, measurement, said):
 
 def test_size_counts_the_bellies_of_arcs():
     data = drawing(lambda doc, msp: msp.add_circle((5, 5), 20), units=0)
-    _, found = read(data, "part.dxf", DxfOptions())
+    _, found = read(data, "part.dxf", DrawingReading())
     assert "40.000 x 40.000 drawing units" in found[0].message

@@ -207,7 +207,7 @@ def test_what_contradicts_itself_and_is_left_out_by_its_look_is_a_warning():
 @pytest.mark.parametrize("text", ["pink", "0", "256", "#12345", "-1", ""])
 def test_no_colour_is_wrong_use(text):
     with pytest.raises(WrongUse):
-        Options(colours=(text,))
+        Options.of(colours=(text,))
 
 
 def test_options_on_the_command_line_and_in_the_settings(tmp_path):

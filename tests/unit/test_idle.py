@@ -21,7 +21,7 @@ def said(source: str | bytes, **options: object) -> list[str]:
     """Return the options that are said to have no effect, in the words of the findings."""
     data = source.encode() if isinstance(source, str) else source
     name = "x.wed" if isinstance(source, str) else "x.dxf"
-    made = api.compile(data, name=name, options=Options(**options))  # type: ignore[arg-type]
+    made = api.compile(data, name=name, options=Options.of(**options))  # type: ignore[arg-type]
     assert made.ok, made.findings
     told = [d for d in made.findings if d.code in ("wed-option", "idle-option")]
     assert all(d.severity.name == "WARNING" for d in told)
@@ -83,6 +83,6 @@ def test_what_was_not_typed_is_no_wish():
 
 
 def test_wishes_are_no_part_of_the_certificate():
-    assert Options(offset_um=100.0, wishes=frozenset({"offset_um"})).as_data() == {
+    assert Options.of(offset_um=100.0, wishes=frozenset({"offset_um"})).as_data() == {
         "offset_um": 100.0
     }

@@ -15,10 +15,11 @@ from wedmcam.api import positions
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity, has_errors
 from wedmcam.frontends.iso.dialect import QUESTIONS, reads_as_words
+from wedmcam.frontends.options import ANSWERS
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 from wedmcam.operations import convert as conversion
-from wedmcam.options import READING, WrongUse
+from wedmcam.options import WrongUse
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 
@@ -391,8 +392,8 @@ def test_a_call_is_not_written_either():
 def test_options_of_the_command_line_are_those_of_the_library():
     for command in ("convert", "verify", "diff", "plot", "dump", "explain"):
         taken = {p.name: p for p in cli.commands[command].params}
-        assert {*READING, "profile_in"} <= set(taken), command
-        for name, answers in READING.items():
+        assert {*ANSWERS, "profile_in"} <= set(taken), command
+        for name, answers in ANSWERS.items():
             if name != "whole_in":
                 assert tuple(taken[name].type.choices) == answers
 

@@ -48,7 +48,7 @@ def test_the_controllers_path_is_that_of_3b(name):
     table = made.machine.stepping
     assert difference(other.program, made.program, table, table, 1.0).equal
     back = conversion.convert(
-        made.data, to="3b", name="x.nc", profile_in="iso-g41-mm", entered=Entries(d=made.options.d)
+        made.data, to="3b", name="x.nc", profile_in="iso-g41-mm", entered=Entries(d=made.entries.d)
     )
     assert back.ok
     assert back.difference.largest_um == 0

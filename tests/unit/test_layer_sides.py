@@ -206,7 +206,7 @@ def test_wrong_use(said):
 
 
 def test_options_are_the_same_again_from_a_certificate():
-    options = Options(
+    options = Options.of(
         offset_um=110.0,
         layer_sides=(("DIE", Side.DIE),),
         layer_offsets=(("DIE", 120.0),),

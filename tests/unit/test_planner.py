@@ -36,16 +36,30 @@ cut edge on
 """
 
 
+def cuts_asked(figure, options):
+    groups = [Group(rule_of("", options.cutting), tuple(figure))]
+    return cuts_of_drawing(groups, nest(figure), (), options.cutting, options.leading, 10.0)
+
+
+def planned_cuts(cuts, options, words):
+    return plan_cuts(cuts, options.cutting, options.leading, FLOAT64, words, options.wished)
+
+
 def planned(figure, side, **options):
     """Return the plan of the contours of a drawing, and that of one cut that names the same."""
-    options = Options(offset_um=None if side is Side.ON else 100.0, side=side, **options)
+    options = Options.of(offset_um=None if side is Side.ON else 100.0, side=side, **options)
     asked, found = cuts_of_drawing(
-        [Group(rule_of("", options), tuple(figure))], nest(figure), (), options
+        [Group(rule_of("", options.cutting), tuple(figure))],
+        nest(figure),
+        (),
+        options.cutting,
+        options.leading,
+        10.0,
     )
     assert not found
-    drawing = plan_cuts(asked, options, FLOAT64, OF_DRAWING)
+    drawing = planned_cuts(asked, options, OF_DRAWING)
     item = CutItem("part", Shape(()), asked[0].item.side, SPAN)
-    return drawing, plan_cuts([ShapedCut(item, tuple(figure))], options, FLOAT64, OF_PART)
+    return drawing, planned_cuts([ShapedCut(item, tuple(figure))], options, OF_PART)
 
 
 def same(a, b):
@@ -78,13 +92,13 @@ def test_contours_on_the_line_are_one_scene_of_a_drawing():
 def test_sides_that_contradict_each_other_are_refused():
     """Both run counter-clockwise: left of both keeps the ring's hole and what lies around it."""
     item = CutItem("ring", Shape(()), "left", SPAN, offset=100.0)
-    plan, found = plan_cuts([ShapedCut(item, RING)], Options(), FLOAT64, OF_PART)
+    plan, found = planned_cuts([ShapedCut(item, RING)], Options(), OF_PART)
     assert plan is None
     (wrong,) = found
     assert wrong.code == "closed-left-right"
     assert "(16.000, 10.000) mm keeps what the one at (0.000, 0.000) mm" in wrong.message
     other_way = (RING[0], RING[1].reversed())
-    plan, found = plan_cuts([ShapedCut(item, other_way)], Options(), FLOAT64, OF_PART)
+    plan, found = planned_cuts([ShapedCut(item, other_way)], Options(), OF_PART)
     assert plan is not None, found
     assert [s.keeps for s in plan.scenes] == [Side.DIE]
 
@@ -138,12 +152,17 @@ def test_the_side_of_a_plan_is_that_of_its_scenes(sides, keeps, side):
 def test_open_contours_of_one_figure_that_run_the_other_way_are_one_warning():
     """Each is run from the end that is nearer to its thread point, whatever --reverse says."""
     figure = [parts.contour_of_bulges([[x, 0], [x, 5000]], [0, 0], closed=False) for x in (0, 9000)]
-    options = Options(offset_um=100.0, side=Side.LEFT, reverse=True)
-    options = replace(options, starts_um=((-100.0, -500.0), (8900.0, -500.0)))
+    options = Options.of(offset_um=100.0, side=Side.LEFT, reverse=True)
+    options = options.with_values(starts_um=((-100.0, -500.0), (8900.0, -500.0)))
     asked, _ = cuts_of_drawing(
-        [Group(rule_of("", options), tuple(figure))], nest(figure), (), options
+        [Group(rule_of("", options.cutting), tuple(figure))],
+        nest(figure),
+        (),
+        options.cutting,
+        options.leading,
+        10.0,
     )
-    _, found = plan_cuts(asked, options, FLOAT64, OF_DRAWING)
+    _, found = planned_cuts(asked, options, OF_DRAWING)
     assert [(d.code, d.count) for d in found] == [("idle-option", 2)]
 
 

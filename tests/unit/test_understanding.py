@@ -143,7 +143,7 @@ def test_what_is_left_of_a_contour_lies_as_the_whole():
         made = api.compile(
             PLATE,
             name="p.dxf",
-            options=Options(offset_um=100.0, from_block=last - 2, backwards=back),
+            options=Options.of(offset_um=100.0, from_block=last - 2, backwards=back),
         )
         assert made.ok, made.findings
         (row,) = made.understood.rows

@@ -403,7 +403,7 @@ def test_what_is_shorter_than_a_step_is_no_length(clause):
     assert [d.code for d in made.findings] == ["wed-value"]
     assert "no step is shorter" in made.findings[0].message
     with pytest.raises(WrongUse, match=r"takes a length, 0, or 0\.001 mm to"):
-        Options(overcut_um=0.4)
+        Options.of(overcut_um=0.4)
 
 
 def test_overcut_of_a_cut_wins_over_the_option():

@@ -15,7 +15,7 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -157,7 +157,7 @@ def how(asked: dict[str, Any]) -> How:
     Raises:
         WrongUse: options that do not fit together.
     """
-    from wedmcam.cli import asked as ask
+    from wedmcam.cli import options as ask
 
     named = bool(asked["profile"])
     return How(ask.machine_of(asked["profile"], asked["to"]), ask.options_of(asked), named)
@@ -191,7 +191,7 @@ def make(item: Item, force_units: bool) -> Outcome:
             profile=machine if item.how.named else None,
             name=item.source,
             output_name=item.output,
-            options=replace(options, fill_in_units=not force_units),
+            options=options.with_values(fill_in_units=not force_units),
         )
         found = merged(made.findings)
         text, warnings = (
@@ -203,7 +203,7 @@ def make(item: Item, force_units: bool) -> Outcome:
             Path(item.output).parent.mkdir(parents=True, exist_ok=True)
             write_outputs([(item.output, made.data)])
             text = "\n".join(filter(None, (text, _line(item, made))))
-        record = _record(item, made.status, with_time(made.summary, options.feed_um))
+        record = _record(item, made.status, with_time(made.summary, options.operator.feed_um))
         return Outcome(item, made.status, text, record, warnings)
     except WrongUse as why:
         text = visible(f"{item.source}: error: {why}")

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from wedmcam.cli import asked as ask
+from wedmcam.cli import options as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import DEGREES, length
 from wedmcam.cli.progress import waiting
@@ -99,7 +99,7 @@ def convert_command(
             strict=strict,
             entered=Entries(copies, angle, gap_um, side == "part", d),
             feed_um=feed_um,
-            **ask.said_of(asked),
+            **ask.answers_of(asked),
         )
     say.say_findings(made.findings, name, quiet)
     if made.data is None:

@@ -8,7 +8,8 @@ from typing import Any
 
 import click
 
-from wedmcam.ranges import LENGTHS, MOST_UM, PLACE, Range
+from wedmcam.option_table import ROWS
+from wedmcam.ranges import MOST_UM, PLACE, Range
 
 UM = {"": 1000.0, "mm": 1000.0, "um": 1.0, "µm": 1.0, "in": 25400.0, "inch": 25400.0, '"': 25400.0}
 PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zµ\"]*)\s*$")
@@ -54,8 +55,8 @@ class Length(click.ParamType):  # type: ignore[type-arg]
 
 
 def length(name: str) -> Length:
-    """Return the type of an option by its parameter's name: its range stands in `ranges`."""
-    return Length(LENGTHS[name])
+    """Return the type of an option by its parameter's name: its range stands in `option_table`."""
+    return Length(ROWS[name].takes)
 
 
 class Cuts(click.ParamType):  # type: ignore[type-arg]
@@ -81,7 +82,7 @@ class Unit(click.ParamType):  # type: ignore[type-arg]
 
     def convert(self, value: Any, param: Any, ctx: Any) -> str:
         """Return the text; a wrong one is wrong use."""
-        from wedmcam.options import nm_of
+        from wedmcam.frontends.options import nm_of
 
         try:
             nm_of(value)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wedmcam import __version__
-from wedmcam.cli import asked as ask
+from wedmcam.cli import options as ask
 from wedmcam.cli.config import config_command
 from wedmcam.cli.convert import convert_command
 from wedmcam.cli.files import (
@@ -509,7 +509,7 @@ def diff_command(
             names=(_name(a), _name(b)),
             profiles=machines,
             d=d,
-            **ask.said_of(asked),
+            **ask.answers_of(asked),
         )
     if found is None:
         say.say_findings(said, a)
@@ -557,7 +557,7 @@ def _machine_of_either(
 @cli.command("inspect", cls=Configured, short_help="What is in a drawing.")
 @click.argument("input_", metavar="INPUT")
 @ask.drawing_options
-@click.option("--side", type=ask.SIDES, help="For the largest offset: part (default) or die.")
+@ask.side_option
 @ask.layer_side_option
 @ask.said_options
 def inspect_command(input_: str, **asked: Any) -> int:
@@ -565,26 +565,9 @@ def inspect_command(input_: str, **asked: Any) -> int:
     from wedmcam import api
     from wedmcam.cli import say
     from wedmcam.cli.tables import say_inspection
-    from wedmcam.ir.plan import Side
-    from wedmcam.options import FILTERS, Options
 
     ask.check_source(input_, asked["from_"])
-    side = Side.DIE if asked["side"] == "die" else None
-    options = Options(
-        units=asked["units"],
-        fill_in_units=asked.get("fill_in_units", False),
-        **{name: asked[name] for name in FILTERS},
-        join_um=asked["join_um"],
-        tolerance_um=asked["tolerance_um"],
-        thin_wall_um=asked["thin_wall_um"],
-        transforms=asked["transforms"],
-        arithmetic=asked["arithmetic"],
-        side=side,
-        layer_sides=(sides := ask.sides_of(asked)),
-        offset_um=1.0 if side or sides else None,  # a side needs one; it is not used
-        strict=asked["strict"],
-        wishes=ask.wishes_of(asked),
-    )
+    options = ask.options_to_inspect(asked, asked["side"], asked["layer_sides"])
     data = read_input(input_)
     with waiting(f"inspecting {_name(input_)}"):
         seen = api.inspect(data, name=_name(input_), options=options)
@@ -620,7 +603,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     """
     from wedmcam import api
     from wedmcam.cli import say
-    from wedmcam.options import FORMAT_OF_SUFFIX, Options
+    from wedmcam.options import FORMAT_OF_SUFFIX
 
     check_outputs([input_, *also_read(click.get_current_context())], [output])
     if Path(output).suffix.lower() != ".dxf":
@@ -637,11 +620,12 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     elif contours:
         ask.warn_of_idle({*ask.PATH_NAMES, "feed_um"}, "with --contours nothing is compiled")
     machine = ask.machine_of(named, None) if named else None
-    if contours and not is_program:
-        asked |= dict.fromkeys(("side", "offset_um", "wire_um", "gap_um", "clearance_um"))
-        asked |= {"layer_sides": (), "layer_offsets": ()}
-    said = ask.said_of(asked)
-    options = Options(d=asked["d"], **said) if is_program else ask.options_of(asked)
+    if is_program:
+        options = ask.options_to_read(asked)
+    elif contours:
+        options = ask.options_to_inspect(asked)
+    else:
+        options = ask.options_of(asked, answers=False)
     # A picture shows the program; a drawing is one to cut by.
     shown = Path(output).suffix.lower() != ".dxf"
     with waiting(f"drawing {name}"):
@@ -746,7 +730,7 @@ def dump_command(
         name=_name(file),
         entered=Entries(d=d),
         shown=True,
-        **ask.said_of(asked),
+        **ask.answers_of(asked),
     )
     say.say_findings(found, _name(file))
     if program is None:
@@ -787,7 +771,7 @@ def explain_command(
     if what is None:
         raise click.UsageError("give a CODE, FILE --block N, or --list")
     if block is not None:
-        return _explain_block(what, block, profile_in or profile, d, ask.said_of(asked))
+        return _explain_block(what, block, profile_in or profile, d, ask.answers_of(asked))
     text = explained(what)
     if text is None:
         raise click.UsageError(unknown(what))

@@ -19,6 +19,7 @@ import click
 from click.core import ParameterSource
 
 from wedmcam.cli.lengths import Length, Point
+from wedmcam.option_table import Panel, rows_of
 
 if TYPE_CHECKING:
     from wedmcam.cli.batch import How
@@ -458,9 +459,8 @@ def in_force(
 
 def _of_programs() -> set[str]:
     """Return the keys that say how programs are read, whatever their format, and F of one made."""
-    from wedmcam.options import READING
-
-    return {"d", "feed", *(name.replace("_", "-") for name in READING)}
+    rows = (*rows_of(Panel.PROGRAM), *rows_of(Panel.OPERATOR))
+    return {row.option.removeprefix("--") for row in rows}
 
 
 def is_typed(ctx: click.Context, option: click.Parameter) -> bool:
@@ -511,7 +511,7 @@ def _format_of_name(params: Mapping[str, Any]) -> str | None:
 
 def _unfit_profile(setting: Setting, nearer: Mapping[str, Any], params: Mapping[str, Any]) -> str:
     """Return why a profile is not for this run: a shop has machines of several formats."""
-    from wedmcam.cli import asked as ask
+    from wedmcam.cli import options as ask
 
     named = setting.written
     wanted = nearer.get("to") or nearer.get("format") or _format_of_name(params)
@@ -577,7 +577,7 @@ class Configured(click.Command):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Complete the arguments and run."""
-        from wedmcam.options import WrongUse
+        from wedmcam.diag.run import WrongUse
 
         made = self.made(ctx, folder_of(_input(ctx.params)))
         ctx.meta[META] = made
@@ -618,7 +618,7 @@ class ReadsPrograms(Configured):
 
 def profile_for(format_: str | None, keys: Iterable[str] = ("profile",)) -> Setting | None:
     """Return the nearest setting of a profile that is for a format; for any where it is None."""
-    from wedmcam.cli import asked as ask
+    from wedmcam.cli import options as ask
 
     made: InForce = click.get_current_context().meta[META]
     for setting in (file.settings.get(key) for file in made.files for key in keys):
@@ -633,7 +633,7 @@ def machine_for(program: str, profile: str | None, format_: str | None = None) -
     Raises:
         WrongUse: no such profile, or one of another format.
     """
-    from wedmcam.cli import asked as ask
+    from wedmcam.cli import options as ask
 
     if profile:
         return ask.machine_of(profile, format_)
@@ -667,7 +667,7 @@ def by_folder(ctx: click.Context, how: Callable[[dict[str, Any]], How]) -> Calla
     the matter of its folder alone.
     """
     from wedmcam.cli.batch import How
-    from wedmcam.options import WrongUse
+    from wedmcam.diag.run import WrongUse
 
     command = ctx.command
     assert isinstance(command, Configured)

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from wedmcam.cli import asked as ask
+from wedmcam.cli import options as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.pictures import picture, write_refused
 from wedmcam.cli.progress import waiting

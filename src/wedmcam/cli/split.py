@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from wedmcam.cli import asked as ask
+from wedmcam.cli import options as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.pictures import picture, write_refused
 from wedmcam.cli.progress import waiting

@@ -75,8 +75,9 @@ def emitted(
 
     refused = target.refuses_written
     entries = run("enter", (target.entries(plan), () if refused is None else (refused,)))
-    lowered = run("lower", lower(plan, target.rules(options.count)))
-    data = run("encode", target.write(lowered, plan, entries, options))
+    lowered = run("lower", lower(plan, target.rules(options.judging.count)))
+    feed_um, sharp = options.operator.feed_um, options.cutting.sharp
+    data = run("encode", target.write(lowered, plan, entries, feed_um=feed_um, sharp=sharp))
     return entries, lowered, data
 
 
@@ -126,7 +127,7 @@ def judged(
     """A program is run on its controller and measured; see `judge.judge`."""
     from wedmcam.judge.judge import judge
 
-    textbook = (options.count or target.machine.count) == "textbook"
+    textbook = (options.judging.count or target.machine.count) == "textbook"
     return judge(
         program,
         plan,
@@ -135,6 +136,6 @@ def judged(
         free_moves=target.machine.move_um is None,
         count="textbook" if textbook else "exact",
         strict_order=strict_order,
-        trimmed=options.trim,
+        trimmed=options.cutting.trim,
         fitted=fitted,
     )

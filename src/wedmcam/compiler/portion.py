@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from wedmcam.compiler.pipeline import emitted
-from wedmcam.diag.run import Refused, Run
+from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Role
-from wedmcam.options import Options, WrongUse
+from wedmcam.options import Options
 from wedmcam.programs.places import block_ends, matched
 from wedmcam.targets import Target
 from wedmcam.transforms.plan.portion import only_cuts, remaining
@@ -25,20 +25,20 @@ def portion(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     Args:
         plan: of the whole source, with starts that suit the target.
         target: whose program has the blocks.
-        options: ``cuts``, ``from_block`` and ``backwards`` say what is asked for.
+        options: their ``portion`` says what is asked for.
         run: takes the findings of a whole program that cannot be made.
 
     Raises:
         WrongUse: there is no such cut or block, or nothing is left to cut behind it.
     """
-    if options.cuts is not None:
-        if options.cuts[1] > len(plan.cuts):
+    if options.portion.cuts is not None:
+        if options.portion.cuts[1] > len(plan.cuts):
             raise WrongUse(
                 f"the program has {len(plan.cuts)} contours, there is no --cuts "
-                f"{options.cuts[0]}-{options.cuts[1]}"
+                f"{options.portion.cuts[0]}-{options.portion.cuts[1]}"
             )
-        plan = only_cuts(plan, *options.cuts)
-    return _rest(plan, target, options, run) if options.from_block else plan
+        plan = only_cuts(plan, *options.portion.cuts)
+    return _rest(plan, target, options, run) if options.portion.from_block else plan
 
 
 def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
@@ -52,7 +52,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
         raise
     program, _ = target.read(data, "program", entries)
     program = replace(program, origin=lowered.origin)
-    n = options.from_block
+    n = options.portion.from_block
     if n > len(program.blocks):
         raise WrongUse(f"the program has {len(program.blocks)} blocks, there is no block {n}")
     like = matched(lowered, program, machine)
@@ -68,11 +68,11 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     at = (round(starts[block][0]), round(starts[block][1]))
     if roles[like[block]] == Role.LEAD_IN or cut != int(cuts[like[cutting[0]]]):
         # Nothing of this contour was cut.
-        if options.backwards:
+        if options.portion.backwards:
             raise WrongUse(f"block {n} begins a contour: leave --backwards out")
         return replace(plan, cuts=plan.cuts[cut - 1 :], partial=True)
     if target.needs_lead:
-        first = cut + (options.cuts[0] - 1 if options.cuts else 0)
+        first = cut + (options.portion.cuts[0] - 1 if options.portion.cuts else 0)
         last = first - cut + len(plan.cuts)
         raise WrongUse(
             f"block {n} lies within contour {first}: {target.needs_lead}. "
@@ -87,7 +87,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     arc = lowered.blocks["kind"] == Kind.ARC
     share[arc] = motion.steps[arc] * (np.pi / 4) * lowered.step_um  # a turn takes 8 R steps
     along = float(share[before].sum())
-    found = remaining(plan, cut - 1, at, along, options.backwards, lowered.step_um)
+    found = remaining(plan, cut - 1, at, along, options.portion.backwards, lowered.step_um)
     if found is None:
         raise WrongUse(f"block {n} of the program lies on no contour")
     return found

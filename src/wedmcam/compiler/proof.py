@@ -64,7 +64,7 @@ class _Judged:
 def given_points(drawn: Drawn, options: Options) -> tuple[tuple[float, float], ...]:
     """Return the thread points that somebody gave, um: in the source, and as options."""
     threads = [(p.x, p.y) for p in drawn.sketch.thread_points]
-    return (*threads, *options.starts_um)
+    return (*threads, *options.leading.starts_um)
 
 
 def placed(

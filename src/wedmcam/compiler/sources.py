@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
 from wedmcam.diag import Diagnostic, option_texts
-from wedmcam.diag.run import Run
+from wedmcam.diag.run import Run, WrongUse
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.sketch import SEGMENT, Sketch
-from wedmcam.options import Options, WrongUse
+from wedmcam.options import Options
 
 if TYPE_CHECKING:
-    from wedmcam.frontends.dxf import DxfOptions
+    from wedmcam.frontends.options import DrawingReading
     from wedmcam.transforms.chain import ChainReport
     from wedmcam.transforms.layers import Group
     from wedmcam.transforms.nest import Nesting
@@ -58,7 +58,14 @@ class Drawn:
         """Return what is to be cut: a drawing is one cut for each side and offset."""
         from wedmcam.transforms.plan.drawing import cuts_of_drawing
 
-        return cuts_of_drawing(self.groups, self.nesting, self.sketch.thread_points, options)
+        return cuts_of_drawing(
+            self.groups,
+            self.nesting,
+            self.sketch.thread_points,
+            options.cutting,
+            options.leading,
+            options.drawing.join_um,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,13 +90,13 @@ class SeenWithoutUnits:
 
     data: bytes
     file: str
-    asked: DxfOptions
+    reading: DrawingReading
 
     def whole(self) -> Seen | None:
         """Return what can be drawn; None where there is nothing."""
         from wedmcam.frontends.dxf import read as read_dxf
 
-        sketch, _ = read_dxf(self.data, self.file, replace(self.asked, units="mm"))
+        sketch, _ = read_dxf(self.data, self.file, replace(self.reading, units="mm"))
         if sketch is None or not len(sketch.segments):
             return None
         return Seen(sketch.segments, sketch, "unknown: 1 unit shown as 1 mm")
@@ -130,59 +137,45 @@ class DrawnPart(Drawn):
 
 def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     """Return the contours of a drawing, or of a part program."""
-    if source_format(data, file, options) == "wed":
+    reading = options.drawing
+    if source_format(data, file, reading.source) == "wed":
         return _read_part(data, file, options, run)
-    if options.defines:
+    if reading.defines:
         raise WrongUse("-D sets a let of a .wed program; this is a drawing")
-    from wedmcam.frontends.dxf import DxfOptions
     from wedmcam.frontends.dxf import read as read_dxf
     from wedmcam.transforms.chain import ChainReport, chain
     from wedmcam.transforms.frames import doubtful
     from wedmcam.transforms.held import held
     from wedmcam.transforms.layers import Group, split
 
-    asked = DxfOptions(
-        units=options.units,
-        fill_in_units=options.fill_in_units,
-        layers=options.layers,
-        ignore_layers=options.ignore_layers,
-        types=options.types,
-        ignore_types=options.ignore_types,
-        linetypes=options.linetypes,
-        ignore_linetypes=options.ignore_linetypes,
-        colours=options.colours,
-        ignore_colours=options.ignore_colours,
-        wished=options.wishes,
-        tolerance_um=options.tolerance_um,
-    )
-    sketch, found = read_dxf(data, file, asked)
+    sketch, found = read_dxf(data, file, reading, options.wishes)
     if sketch is not None:
         run.values["seen"] = Seen(sketch.segments, sketch)
     elif any(d.code == "no-units" for d in found):
-        run.values["seen"] = SeenWithoutUnits(data, file, asked)
+        run.values["seen"] = SeenWithoutUnits(data, file, reading)
     sketch = run("read", (sketch, found))
     groups, report, drawn = [], ChainReport(), sketch
     every: tuple[Contour, ...] = ()
-    for rule, part in run("chain", split(sketch, options)):
-        contours, own, found = chain(part, options.join_um)
+    for rule, part in run("chain", split(sketch, options.cutting, options.wished)):
+        contours, own, found = chain(part, reading.join_um)
         run.add("chain", found)
         every, report = every + contours, report.with_(own)
-        if options.transforms:
+        if reading.transforms:
             drawn, contours = _transformed(sketch, contours, options, run)
         groups.append(Group(rule, contours))
-    about = held(sketch, every, options.join_um, options.offset_um or 0.0)
+    about = held(sketch, every, reading.join_um, options.cutting.offset_um or 0.0)
     every = tuple(c for group in groups for c in group.contours)
     nesting = _nested(every, run)
     if len(groups) == 1:
         about += doubtful(nesting, drawn.texts)
-    computed = bool(options.transforms)
+    computed = bool(reading.transforms)
     return Drawn(drawn, every, report, nesting, computed, about, tuple(groups))
 
 
-def source_format(data: bytes, file: str, options: Options) -> str:
-    """Return the format of a source: as asked for, else by its name, else by its content."""
-    if options.source is not None:
-        return options.source
+def source_format(data: bytes, file: str, stated: str | None = None) -> str:
+    """Return the format of a source: as stated, else by its name, else by its content."""
+    if stated is not None:
+        return stated
     name = file.lower()
     if name.endswith((".wed", ".dxf")):
         return name[-3:]
@@ -200,11 +193,11 @@ def _read_part(data: bytes, file: str, options: Options, run: Run) -> Drawn:
 
     part = run(
         "read",
-        read_wed(data, file, arithmetic=options.arithmetic, defines=options.defines),
+        read_wed(data, file, arithmetic=options.arithmetic, defines=options.drawing.defines),
     )
-    run.add("read", idle.of_source(part, options))
-    more = _transforms(options, run)
-    shaped = run("transform", shape_cuts(part, more, arithmetic(options)))
+    run.add("read", idle.of_source(part, options.drawing.units, options.wished))
+    more = _transforms(options.drawing.transforms, run)
+    shaped = run("transform", shape_cuts(part, more, arithmetic(options.arithmetic)))
     sketch, contours = sketch_of(part, shaped)
     closed = sum(c.closed for c in contours)
     report = ChainReport(closed, len(contours) - closed)
@@ -221,13 +214,13 @@ def _nested(contours: tuple[Contour, ...], run: Run) -> Nesting:
     return nesting
 
 
-def _transforms(options: Options, run: Run) -> list[Any]:
+def _transforms(transforms: Sequence[str], run: Run) -> list[Any]:
     """Return what ``--transform`` says, parsed."""
-    if not options.transforms:
+    if not transforms:
         return []
     from wedmcam.frontends.wed import parse_transform
 
-    texts = option_texts("--transform", options.transforms)
+    texts = option_texts("--transform", transforms)
     parsed = [parse_transform(text, name) for name, text in texts.items()]
     run.add("transform", [d for _, found in parsed for d in found])
     return [t for t, _ in parsed if t is not None]
@@ -240,9 +233,10 @@ def _transformed(
     from wedmcam.transforms import figures
     from wedmcam.transforms.meetings import contour_meetings
 
-    whole = figures.Sequence(tuple(_transforms(options, run)))
+    whole = figures.Sequence(tuple(_transforms(options.drawing.transforms, run)))
     made = run(
-        "transform", figures.transformed(contours, whole, arithmetic(options), sketch.thread_points)
+        "transform",
+        figures.transformed(contours, whole, arithmetic(options.arithmetic), sketch.thread_points),
     )
     run.add("transform", figures.idle_reverse(contours, whole))
     contours = figures.counter_clockwise(made[0])
@@ -252,9 +246,9 @@ def _transformed(
     return moved, contours
 
 
-def arithmetic(options: Options) -> Arithmetic:
+def arithmetic(name: str) -> Arithmetic:
     """Return the arithmetic in which formulas run."""
-    if options.arithmetic == FLOAT64.name:
+    if name == FLOAT64.name:
         return FLOAT64
     from wedmcam.decimal8 import DECIMAL8
 
@@ -267,4 +261,8 @@ def where_the_wire_goes(drawn: Drawn, options: Options, run: Run) -> Plan:
 
     run.add("nest", drawn.doubts)
     cuts = run("open", drawn.cuts(options))
-    return run("plan", plan_cuts(cuts, options, arithmetic(options), drawn.words))
+    ar = arithmetic(options.arithmetic)
+    return run(
+        "plan",
+        plan_cuts(cuts, options.cutting, options.leading, ar, drawn.words, options.wished),
+    )

@@ -52,8 +52,8 @@ def summary_of(
             "closure_um": None,
             "max_deviation_um": None,
             "gouge_um": None,
-            "offset_um": options.offset_um or 0.0,
-            "side": str(options.effective_side),
+            "offset_um": options.cutting.offset_um or 0.0,
+            "side": str(options.cutting.effective_side),
             "diagnostics": [finding_data(d) for d in found],
             "ok": False,
             "understood": rows,
@@ -84,8 +84,8 @@ def summary_of(
     if not machines.is_builtin(machine):
         # The file may be gone or changed when the program is proven again.
         result["profile_toml"] = as_toml(machine)
-    if options.d:  # what is entered at the controller belongs to the program
-        result["d_um"] = {str(number): um for number, um in options.d}
+    if options.operator.d:  # what is entered at the controller belongs to the program
+        result["d_um"] = {str(number): um for number, um in options.operator.d}
         if machine.iso.entry_factor == 2:
             result["d_is"] = "diameter"
     if out is None or not output_name:

@@ -16,6 +16,10 @@ from wedmcam.diag.finding import Diagnostic, Severity, has_errors
 T = TypeVar("T")
 
 
+class WrongUse(Exception):  # noqa: N818 - a kind of stop, not of error
+    """Options that do not fit together or to the input: exit status 2."""
+
+
 class Refused(Exception):  # noqa: N818 - a kind of stop, not of error
     """The input cannot be compiled; ``Run.found`` says why. ``stage`` names where it stopped."""
 

@@ -7,34 +7,17 @@ a `Scene`: they bound one kept material. Frames: drawing coordinates in um.
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from wedmcam.ir.choices import Order as Order
+from wedmcam.ir.choices import Side as Side
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import ThreadPoint
 
 #: Outlines are one whose extremes, of vertices and centres, are the same to so many digits behind
 #: the point, um.
 SAME_DIGITS = 3
-
-
-class Side(enum.StrEnum):
-    """Where the wire runs. PART keeps the material inside outer contours, DIE the reverse."""
-
-    PART = "part"
-    DIE = "die"
-    LEFT = "left"
-    RIGHT = "right"
-    ON = "on"
-
-
-class Order(enum.StrEnum):
-    """In which order contours are cut. GIVEN: as drawn, whatever lies in what."""
-
-    GIVEN = "given"
-    INNER_FIRST = "inner-first"
-    NEAREST = "nearest"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

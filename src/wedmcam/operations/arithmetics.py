@@ -8,7 +8,6 @@ the grid of the machine hides most of it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -45,7 +44,7 @@ def difference_um(
         None where the other arithmetic refuses the part.
     """
     (other,) = (name for name in ARITHMETICS if name != options.arithmetic)
-    options = replace(options, arithmetic=other, strict=False)
+    options = options.with_values(arithmetic=other, strict=False)
     run = Run()
     try:
         if drawn.computed:

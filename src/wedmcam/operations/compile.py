@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from wedmcam import machines
@@ -58,11 +57,11 @@ def compile(
     data, name = bytes_of(source, name)
     machine = machine_for(to, profile)
     options = options if options is not None else options_in_mm(**mm)
-    if options.reading:
+    if options.program.answers:
         raise WrongUse(
-            f"{', '.join(options.reading)}: said of a program that is read, not compiled"
+            f"{', '.join(options.program.answers)}: said of a program that is read, not compiled"
         )
-    run = Run(options.strict, observe=observe)
+    run = Run(options.judging.strict, observe=observe)
     refused = planned_for(data, name, options, [machine], run)
     named = profile is not None
     return compile_plan(data, name, machine, options, run, output_name, refused, named=named)
@@ -96,7 +95,7 @@ def compile_plan(
         data: the source, for its fingerprint.
         name: of the source.
         machine: one of those that the plan was made for.
-        options: as it was planned with; ``cuts`` and ``from_block`` may be others.
+        options: as it was planned with; their ``portion`` may be another.
         run: in which `planned_for` left what was drawn and the plan.
         output_name: of the program.
         refused: where planning stopped; then nothing is compiled.
@@ -111,8 +110,9 @@ def compile_plan(
         except Refused as why:
             stage = why.stage
     entries, verdict = made.get("enter"), made.get("verify")
-    if entries is not None and entries.d:  # belongs to the program
-        options = replace(options, d=entries.d)
+    issued = options
+    if entries is not None and entries.d:  # belongs to the program: who proves it enters it
+        issued = options.with_values(d=entries.d)
     ok, drawn = not stage, made.get("drawn")
     known = understood_of(made.get("plan"))
     out = made["encode"] if ok else None
@@ -127,7 +127,7 @@ def compile_plan(
         summary_of(
             run.found,
             machine,
-            options,
+            issued,
             name,
             data,
             output_name,

@@ -6,10 +6,10 @@ from typing import Any
 
 from wedmcam.diag import Diagnostic
 from wedmcam.files import Source
+from wedmcam.frontends.options import ANSWERS, check_answers
 from wedmcam.judge.difference import Difference, difference
 from wedmcam.machines import Machine
 from wedmcam.operations.read import read_program
-from wedmcam.options import READING, check_reading
 from wedmcam.targets import Entries
 
 
@@ -39,8 +39,8 @@ def diff(
         The difference; None where one cannot be read. And the findings of both readers.
     """
     first: dict[str, Any] = {name: v for name, v in said.items() if not name.endswith("_b")}
-    other = {n: v for n in READING if (v := said.get(f"{n}_b")) is not None}
-    check_reading({name.removesuffix("_b"): v for name, v in said.items()})
+    other = {n: v for n in ANSWERS if (v := said.get(f"{n}_b")) is not None}
+    check_answers({name.removesuffix("_b"): v for name, v in said.items()})
     read = [
         read_program(source, profile=profile, name=name, entered=Entries(d=d), **of)
         for source, name, profile, of in zip(

@@ -89,7 +89,7 @@ def metamorphic(
         What came of each image, and findings: errors for images that differ, a note for one that
         could not be tried. A drawing that is refused has its findings and no image.
     """
-    run, target = Run(options.strict), target_of(machine)
+    run, target = Run(options.judging.strict), target_of(machine)
     options = replace(options, wishes=frozenset())  # a compile says which had no effect
     try:
         drawn, plan = pipeline.planned(data, name, options, [target], run)
@@ -99,7 +99,7 @@ def metamorphic(
     for isometry in ISOMETRIES:
         moved, asked = _moved(drawn, options, isometry)
         images.append(_image(isometry.name, moved, asked, target, _plan_moved(plan, isometry)))
-    other_way = replace(options, reverse=not options.reverse)
+    other_way = options.with_values(reverse=not options.leading.reverse)
     images.append(_image("run the other way round", drawn, other_way, target, plan))
     images.append(_elsewhere(drawn, options, target, plan))
     findings = []
@@ -128,7 +128,8 @@ def _moved(drawn: Drawn, options: Options, by: Isometry) -> tuple[Drawn, Options
     contours = tuple(c for g in groups for c in g.contours)
     sketch = replace(drawn.sketch, thread_points=tuple(points))
     moved = replace(drawn, sketch=sketch, contours=contours, nesting=nest(contours), groups=groups)
-    return moved, replace(options, starts_um=tuple(by.point(*s) for s in options.starts_um))
+    starts = tuple(by.point(*s) for s in options.leading.starts_um)
+    return moved, options.with_values(starts_um=starts)
 
 
 def _plan_moved(plan: Plan, by: Isometry) -> Plan:
@@ -175,7 +176,7 @@ def _elsewhere(drawn: Drawn, options: Options, target: Target, plan: Plan) -> Im
     for away in (ELSEWHERE, ELSEWHERE / 4.0):
         for share in (1 / 2, 1 / 3, 2 / 3):
             points = tuple(_beside(c, share, away) for c in cuts)
-            asked = replace(options, starts_um=points)
+            asked = options.with_values(starts_um=points)
             try:
                 pipeline.plan_of(moved, asked, [target], Run())
             except Refused:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,8 @@ from wedmcam.transforms.plan.scenes import PieceScene
 
 #: Offsets above this are not looked for, um: the ZD-065's largest, rounded up.
 LARGEST_UM = 8000.0
+#: Stands for the offset that is looked for, um: none is smaller.
+SOME_UM = 1.0
 
 #: Outlines of one part, and +1 for each where the wire runs to its left, -1 to its right.
 _Sides = tuple[list[Contour], list[float]]
@@ -40,7 +41,10 @@ def inspect(
     """Return what the reader sees in a drawing, and the largest offset that fits it."""
     data, name = bytes_of(source, name)
     options = options if options is not None else options_in_mm(**mm)
-    run = Run(options.strict)
+    cutting = options.cutting
+    if cutting.offset_um is None and (cutting.side or cutting.layer_sides):
+        options = options.with_values(offset_um=SOME_UM)
+    run = Run(options.judging.strict)
     drawn = None
     try:
         drawn = sources.read(data, name, options, run)
@@ -93,7 +97,7 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
     facts.update(info.extra)
     scenes, unsound = _scenes_to_cut(drawn, options)
     facts["largest_offset"] = _largest(drawn, scenes, options) if closed else None
-    return facts, [*open_contour_findings(contours, options.join_um), *unsound]
+    return facts, [*open_contour_findings(contours, options.drawing.join_um), *unsound]
 
 
 def _scenes_to_cut(
@@ -101,19 +105,21 @@ def _scenes_to_cut(
 ) -> tuple[list[PieceScene] | None, list[Diagnostic]]:
     """Return what makes one part each, as it would be cut; None where that is refused.
 
-    Nobody states an offset here. Some is needed for a side, and none is smaller than this.
+    No offset need be stated here. Some is needed for a side.
     """
     from wedmcam.transforms.plan.idle import Used
     from wedmcam.transforms.plan.planner import scenes_to_cut
 
     side = None if isinstance(drawn, DrawnPart) else _side(options)
-    some = options.offset_um or 1.0
-    options = replace(options, side=side, offset_um=some, corner_um=0.0, clearance_um=0.0)
-    return scenes_to_cut(drawn.cuts(options)[0], options, sources.arithmetic(options), Used())
+    some = options.cutting.offset_um or SOME_UM
+    options = options.with_values(side=side, offset_um=some, corner_um=0.0, clearance_um=0.0)
+    ar = sources.arithmetic(options.arithmetic)
+    cuts, _ = drawn.cuts(options)
+    return scenes_to_cut(cuts, options.cutting, options.leading.reverse, ar, Used())
 
 
 def _side(options: Options) -> Side:
-    return Side.DIE if options.side is Side.DIE else Side.PART
+    return Side.DIE if options.cutting.side is Side.DIE else Side.PART
 
 
 def _mm(values: Any) -> list[float]:

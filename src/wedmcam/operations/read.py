@@ -10,16 +10,16 @@ from wedmcam.diag import Diagnostic
 from wedmcam.diag.run import Refused, Run
 from wedmcam.files import Source, bytes_of
 from wedmcam.frontends.iso.dialect import Dialect
+from wedmcam.frontends.options import check_answers, nm_of
 from wedmcam.ir.program import Program
 from wedmcam.judge.totals import figures as figures_of
 from wedmcam.machines import Machine
 from wedmcam.operations.profiles import reader_machine
-from wedmcam.options import check_reading, nm_of
 from wedmcam.targets import Entries, target_of
 
 
 def dialect_of(said: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:
-    """Return what is said of a program beside its text; keywords as in `options.READING`.
+    """Return what is said of a program beside its text; keywords as in `frontends.options.ANSWERS`.
 
     Args:
         said: the answers.
@@ -29,7 +29,7 @@ def dialect_of(said: Mapping[str, str | None], named: bool, shown: bool = False)
     Raises:
         WrongUse: no such keyword or answer.
     """
-    check_reading(said)
+    check_answers(said)
     units, whole = (
         None if (unit := said.get(name)) is None else nm_of(unit)
         for name in ("units_in", "whole_in")
@@ -69,7 +69,7 @@ def read_program(
         shown: the program is only shown: what it leaves open is assumed, and said first. Else it is
             refused.
         **said: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``,
-            ``semicolon_in``, ``subprograms_in``, as in `Options`.
+            ``semicolon_in``, ``subprograms_in``, as in `ProgramReading`.
 
     Raises:
         WrongUse: an unknown format or profile, or something else said.

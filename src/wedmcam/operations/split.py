@@ -22,6 +22,7 @@ from wedmcam.operations.compile import compile_plan, planned_for
 from wedmcam.options import Options
 from wedmcam.programs.places import block_ends
 from wedmcam.targets import target_of
+from wedmcam.transforms.plan.options import Portion
 
 
 def compile_loads(
@@ -48,7 +49,7 @@ def compile_loads(
         that does not fit alone is a load with the warning ``over-memory``.
     """
     data, name = bytes_of(source, name)
-    run = Run(options.strict)
+    run = Run(options.judging.strict)
     refused = planned_for(data, name, options, [profile], run)
     made: list[Compilation] = []
 
@@ -59,11 +60,11 @@ def compile_loads(
     whole = load_of(options, output_name)
     if not whole.ok or not _too_large(whole) or whole.plan is None or len(whole.plan.cuts) < 2:
         return (whole,)
-    first = options.cuts[0] if options.cuts else 1
+    first = options.portion.cuts[0] if options.portion.cuts else 1
     groups = _groups(whole)
     while groups:
         low, high = groups.pop(0)
-        asked = replace(options, cuts=(first + low, first + high), from_block=0, backwards=False)
+        asked = replace(options, portion=Portion(cuts=(first + low, first + high)))
         load = load_of(asked, numbered(output_name, len(made) + 1))
         if load.ok and _too_large(load) and high > low:
             groups[:0] = [(low, high - 1), (high, high)]  # the sizes are estimates

@@ -89,7 +89,7 @@ def compile_several(
     names = list(output_names) or [""] * len(machines)
     options = options or Options()
     data, name = bytes_of(source, name)
-    run = Run(options.strict)
+    run = Run(options.judging.strict)
     refused = planned_for(data, name, options, machines, run)
     for machine, output in zip(shared(machines), names, strict=True):
         said = named is None or any(machine.is_of(format_) for format_ in named)

@@ -16,7 +16,7 @@ from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.diag.run import Refused, Run
 from wedmcam.files import Source, bytes_of
 from wedmcam.formats.quadrants import quadrant
-from wedmcam.ir.plan import Plan
+from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.certificate import finding_data
 from wedmcam.judge.claims import fault
@@ -88,9 +88,9 @@ def verify(
     machine = reader_machine(data, name, format, profile)
     if options is None:
         options = options_in_mm(**mm)
-    dialect = dialect_of(options.reading, profile is not None, shown)
-    run = Run(options.strict)
-    planning = Run(options.strict)
+    dialect = dialect_of(options.program.answers, profile is not None, shown)
+    run = Run(options.judging.strict)
+    planning = Run(options.judging.strict)
     targets = targets_of(machine, certificate)
     target = targets[0]
     decoded: Program | None = None
@@ -104,11 +104,13 @@ def verify(
         # An outline's program does not say how far beside it the wire runs; the plan does.
         if against is not None and (target.takes_gap or target.makes_path):
             drawn, plan = _asked_plan(drawing, drawing_name, options, targets, planning, run)
-        entries = replace(target.entered(options, plan), dialect=dialect)
+        entries = replace(target.entered(_stated_entries(options), plan), dialect=dialect)
         run.add("decode", _offsets_of_plan(entries, target, options))
         decoded, read = target.read(data, name, entries)
         decoded = run("decode", (decoded, read))
-        kind = sources.source_format(drawing, drawing_name, options) if drawn else None
+        kind = (
+            sources.source_format(drawing, drawing_name, options.drawing.source) if drawn else None
+        )
         run.add("decode", _no_gap(decoded, target, options, kind))
         run.add("decode", _unended(decoded, target))
         if against is not None:
@@ -176,7 +178,7 @@ def verify(
 
 def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> Proof:
     """Return a proof with that of the images of the drawing; see ``wedmcam.operations.images``."""
-    if sources.source_format(drawing, name, options) == "wed":
+    if sources.source_format(drawing, name, options.drawing.source) == "wed":
         raise WrongUse("--metamorphic compiles images of drawings; a .wed says sides by name")
 
     images, found = metamorphic(drawing, name, proven.machine, options)
@@ -218,9 +220,16 @@ def _asked_plan(
     return drawn, plan
 
 
+def _stated_entries(options: Options) -> Entries:
+    """Return what the operator enters, as far as options state it."""
+    cutting = options.cutting
+    outwards = cutting.effective_side is not Side.DIE
+    return Entries(d=options.operator.d, every_um=cutting.offset_um, outwards=outwards)
+
+
 def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list[Diagnostic]:
     """Return a note of the offsets that are assumed of a controller, where none are stated."""
-    if not target.makes_path or options.d or options.offset_um is not None:
+    if not target.makes_path or options.operator.d or options.cutting.offset_um is not None:
         return []
     table = [f"{number} = {length}" for number, length in entries.lines()]
     if entries.every_um is not None:
@@ -240,7 +249,8 @@ def _no_gap(
     ``against``: format of the source that it is compared with, if any: a part program says its
     offsets itself.
     """
-    stated = options.offset_um is not None or options.side is not None or against == "wed"
+    cutting = options.cutting
+    stated = cutting.offset_um is not None or cutting.side is not None or against == "wed"
     found = [] if stated else target.unstated(decoded)
     if against is None or not found:
         return found
@@ -260,9 +270,12 @@ def _options_issued(
     if why := fault(certificate):
         raise WrongUse(f"this is no certificate: {why}")
     issued = Options.from_data(certificate["options"])
-    if options is not None:
+    if options is None:
+        options = options_in_mm(**mm) if mm else issued
+    if options.operator.d:
         return options
-    return options_in_mm(**mm) if mm else issued
+    # What is entered belongs to the program: where nothing is stated, as it was issued.
+    return options.with_values(d=issued.operator.d)
 
 
 def _unended(program: Program, target: Target) -> list[Diagnostic]:
@@ -286,7 +299,7 @@ def _not_closed(program: Program, target: Target, options: Options) -> list[Diag
     """Return warnings for the contours of a program that do not close, in the words of its file."""
     machine = target.machine
     own = to_controller(program, machine.axes)
-    textbook = (options.count or machine.count) == "textbook"
+    textbook = (options.judging.count or machine.count) == "textbook"
     return not_closed(
         own, machine.own_stepping, quadrant if target.states_counts else None, textbook
     )

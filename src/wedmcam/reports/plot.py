@@ -12,7 +12,7 @@ from wedmcam.diag.render import merged, render
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.verdict import Verdict
 from wedmcam.machines import Machine
-from wedmcam.options import WrongUse
+from wedmcam.diag.run import WrongUse
 from wedmcam.programs.places import block_ends
 from wedmcam.programs.rows import dump
 from wedmcam.reports.picture.page import page

@@ -75,7 +75,7 @@ def sheet(
         ("program's SHA-256", made.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
-        ("wire, gap", _wire(wire_um, gap_um, made.options.clearance_um)),
+        ("wire, gap", _wire(wire_um, gap_um, made.options.cutting.clearance_um)),
         ("offset, side", f"{made.plan.offsets_text}, {v.side}"),
         *((f"offset {d}, to be entered", um) for d, um in entered),
         ("direction", ", ".join(f"{n} {way}" for way, n in ways.items())),

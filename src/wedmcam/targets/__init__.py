@@ -11,17 +11,16 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
-from wedmcam.diag import Diagnostic
-from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import Program
-from wedmcam.machines import Machine
 from wedmcam.targets.entries import Entries
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from wedmcam.options import Options
+    from wedmcam.diag import Diagnostic
+    from wedmcam.ir.plan import Plan
+    from wedmcam.ir.program import Program
+    from wedmcam.machines import Machine
     from wedmcam.programs import reblock as carry
     from wedmcam.transforms.lower import Rules
 
@@ -122,19 +121,33 @@ class Target(Protocol):
         """
         ...
 
-    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
+    def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
         """Return what was entered for a program that is read.
 
         Args:
-            options: as the user says it.
+            entries: as the user states them: ``d``, ``every_um`` (None where no offset is
+                stated) and ``outwards``.
             plan: that the program is compared with, where there is one.
         """
         ...
 
     def write(
-        self, program: Program, plan: Plan, entries: Entries, options: Options
+        self,
+        program: Program,
+        plan: Plan,
+        entries: Entries,
+        *,
+        feed_um: float | None = None,
+        sharp: bool = False,
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """Return the bytes of a program of a plan.
+
+        Args:
+            program: the plan in blocks.
+            plan: the plan.
+            entries: what the operator enters.
+            feed_um: cutting speed, um a minute, for a profile that writes F.
+            sharp: the corners of the plan were prolonged, and not rounded.
 
         Raises:
             WrongUse: for what such a controller has no words.

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wedmcam.options import WrongUse
+from wedmcam.diag.run import WrongUse
 
 if TYPE_CHECKING:
     from wedmcam.frontends.iso.dialect import Dialect
@@ -34,7 +34,7 @@ class Entries:
         d: numbers and entries of the table of a controller that offsets an ISO program, um.
         letter: of those numbers, ``D`` or ``H``.
         diameter: an entry is twice the offset.
-        every_um: the offset of all D numbers where ``d`` is empty; None for none.
+        every_um: the offset of all D numbers where ``d`` is empty; None where none is stated.
         dialect: what is said of a foreign ISO program; None where its machine is known.
     """
 

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors, note
+from wedmcam.diag.run import WrongUse
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
-from wedmcam.options import Options, WrongUse
 from wedmcam.targets.entries import Entries
 from wedmcam.targets.stated import Iso
 
@@ -116,9 +116,9 @@ class Offsetting(Iso):
             return None, [error("not-reachable", what, behind[0].path.source_of(0), hint=hint)]
         return outlines.started(plan, grid_of(self.machine))
 
-    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
+    def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
         """See `Iso.entered`; of a plan with several offsets the D numbers that a compile states."""
-        said = super().entered(options, plan)
+        said = super().entered(entries, plan)
         if said.d or said.every_um is not None or plan is None:
             return said
         return self.entries(plan) if all(cut.offset_um for cut in plan.cuts) else said
@@ -132,10 +132,16 @@ class Offsetting(Iso):
         return self._of_table(Entries(d=tuple((n, twice * um) for n, um in offsets.items())))
 
     def write(
-        self, program: Program, plan: Plan, entries: Entries, options: Options
+        self,
+        program: Program,
+        plan: Plan,
+        entries: Entries,
+        *,
+        feed_um: float | None = None,
+        sharp: bool = False,
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
-        return encode(plan, program, self.machine, entries, options)
+        return encode(plan, program, self.machine, entries, feed_um, sharp)
 
     @property
     def refuses_carried(self) -> Diagnostic | None:
@@ -155,7 +161,12 @@ def iso_target(machine: Machine) -> Iso:
 
 
 def encode(
-    plan: Plan, lowered: Program, machine: Machine, entries: Entries, options: Options
+    plan: Plan,
+    lowered: Program,
+    machine: Machine,
+    entries: Entries,
+    feed_um: float | None = None,
+    sharp: bool = False,
 ) -> tuple[bytes, list[Diagnostic]]:
     """Return the ISO file in which the outlines of a plan stand with G41 or G42.
 
@@ -164,7 +175,8 @@ def encode(
         lowered: the same plan in blocks.
         machine: an ISO profile of a controller that offsets.
         entries: its D numbers.
-        options: as asked for.
+        feed_um: cutting speed, um a minute, for a profile that writes F.
+        sharp: the corners of the plan were prolonged.
 
     Raises:
         WrongUse: for what such a controller has no words.
@@ -177,7 +189,7 @@ def encode(
             f"the profile '{machine.name}' has step_um and compensation = \"controller\": outlines "
             "are written in um"
         )
-    if options.sharp:
+    if sharp:
         raise WrongUse("--convex sharp is not what the controller makes of corners: leave it out")
     if any(cut.overcut_um for cut in plan.cuts):
         raise WrongUse("--overcut runs back in the kerf, where G41 and G42 change sides")
@@ -186,7 +198,7 @@ def encode(
         return b"", found
     offset_of = entries.offset_of()
     table = {n: offset_of(n) or 0.0 for n, _ in entries.d} if offset_of is not None else {}
-    writer = _Writer(lowered, machine, table, options.feed_um)
+    writer = _Writer(lowered, machine, table, feed_um)
     tried = writer.tried(plan, [])
     if tried.strays:
         kept: list[Choice] = []

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from wedmcam.diag import Diagnostic, Place, Severity, has_errors, note
+from wedmcam.diag.run import WrongUse
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
-from wedmcam.options import Options, WrongUse
 from wedmcam.targets import gap
 from wedmcam.targets.entries import Entries
 from wedmcam.targets.stated import KIN_3B, Memory, Stated
@@ -59,21 +59,27 @@ class Scaled(Stated):
                 f"{self.machine.format} has no gap below 0, and the clearance puts the wire "
                 f"{-behind[0] / 1000:.3f} mm behind the line: --to {self.instead}"
             )
-        return self._entries(gaps[0][0] if gaps else 0.0, plan.side)
+        return self._entries(gaps[0][0] if gaps else 0.0, plan.side is not Side.DIE)
 
-    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
-        """The gap of the plan; without one that of the options."""
+    def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
+        """The gap of the plan; without one the offset that is stated."""
         if plan is not None:
             return self.entries(plan)
-        return self._entries(options.offset_um or 0.0, options.effective_side)
+        return self._entries(entries.every_um or 0.0, entries.outwards)
 
-    def _entries(self, gap_um: float, side: Side) -> Entries:
+    def _entries(self, gap_um: float, outwards: bool) -> Entries:
         if abs(gap_um - round(gap_um)) > 1e-6:
             raise WrongUse(f"the gap of {self.machine.format} is whole um, not {gap_um:g}")
-        return Entries(gap_um=round(gap_um), outwards=side is not Side.DIE)
+        return Entries(gap_um=round(gap_um), outwards=outwards)
 
     def write(
-        self, program: Program, plan: Plan, entries: Entries, options: Options
+        self,
+        program: Program,
+        plan: Plan,
+        entries: Entries,
+        *,
+        feed_um: float | None = None,
+        sharp: bool = False,
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
         found = gap.corners(plan, self.instead)

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from wedmcam.diag import Diagnostic, error
+from wedmcam.diag.run import WrongUse
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Axis, Program
 from wedmcam.machines import Machine, iso_profiles
-from wedmcam.options import Options, WrongUse
 from wedmcam.targets.entries import Entries
 
 if TYPE_CHECKING:
@@ -143,12 +143,18 @@ class Stated:
         """Nothing is entered."""
         return Entries()
 
-    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
+    def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
         """Nothing was."""
         return Entries()
 
     def write(
-        self, program: Program, plan: Plan, entries: Entries, options: Options
+        self,
+        program: Program,
+        plan: Plan,
+        entries: Entries,
+        *,
+        feed_um: float | None = None,
+        sharp: bool = False,
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
         return self._encoded(program)
@@ -238,10 +244,16 @@ class Iso(Stated):
         return super().keeps(word) and not self.machine.iso.words
 
     def write(
-        self, program: Program, plan: Plan, entries: Entries, options: Options
+        self,
+        program: Program,
+        plan: Plan,
+        entries: Entries,
+        *,
+        feed_um: float | None = None,
+        sharp: bool = False,
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
-        return self._encoded(program, feed_um=options.feed_um)
+        return self._encoded(program, feed_um=feed_um)
 
     def write_carried(
         self,
@@ -259,12 +271,12 @@ class Iso(Stated):
         """See `Target`."""
         return "M02"
 
-    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
-        """The controller's table of offsets; else one offset for all D, of options or plan."""
-        every = options.offset_um
-        if every is None and not options.d and plan is not None:
+    def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
+        """The controller's table of offsets; else one offset for all D, stated or of the plan."""
+        every = entries.every_um
+        if every is None and not entries.d and plan is not None:
             every = _one_offset(plan)
-        return self._of_table(Entries(d=options.d, every_um=every))
+        return self._of_table(Entries(d=entries.d, every_um=every))
 
     def _of_table(self, entries: Entries) -> Entries:
         """Return entries as this controller's table takes them."""

@@ -6,7 +6,7 @@ drawn once more as that of its die, and neither a copy nor a crossing of it is o
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -17,7 +17,8 @@ from wedmcam.ir.contour import Contour
 from wedmcam.ir.names import Names
 from wedmcam.ir.plan import Side
 from wedmcam.ir.sketch import Sketch
-from wedmcam.options import Options
+from wedmcam.option_table import option_of
+from wedmcam.transforms.plan.options import Cutting
 
 T = TypeVar("T")
 
@@ -47,19 +48,19 @@ class Group:
     contours: tuple[Contour, ...]
 
 
-def rule_of(layer: str, options: Options, names: Collection[str] = ()) -> Rule:
+def rule_of(layer: str, cutting: Cutting, names: Collection[str] = ()) -> Rule:
     """Return how the contours of a layer are cut; a name counts before a wildcard.
 
     ``names``: of all layers, case folded: what names one of them is no wildcard for others.
     """
-    side = _said(layer, options.layer_sides, names)
-    offset = _said(layer, options.layer_offsets, names)
-    stated = side or options.side
+    side = _said(layer, cutting.layer_sides, names)
+    offset = _said(layer, cutting.layer_offsets, names)
+    stated = side or cutting.side
     if stated is None:
-        stated_side = Side.PART if (offset or options.offset_um) else Side.ON
+        stated_side = Side.PART if (offset or cutting.offset_um) else Side.ON
     else:
         stated_side = stated
-    return Rule(stated_side, stated is not None, offset, options.taken_um(stated_side))
+    return Rule(stated_side, stated is not None, offset, cutting.taken_um(stated_side))
 
 
 def _said(layer: str, said: Sequence[tuple[str, T]], names: Collection[str]) -> T | None:
@@ -69,19 +70,22 @@ def _said(layer: str, said: Sequence[tuple[str, T]], names: Collection[str]) -> 
     return next(iter([*literal, *(value for _, value in fits)]), None)
 
 
-def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], list[Diagnostic]]:
+def split(
+    sketch: Sketch, cutting: Cutting, wished: Set[str]
+) -> tuple[list[tuple[Rule, Sketch]], list[Diagnostic]]:
     """Return a sketch in parts of one rule each; errors for layers that are named and not there.
 
-    And a warning where a clearance was asked for and no part takes it.
+    And a warning where a clearance was asked for and no part takes it. ``wished``: names of the
+    fields that were asked for.
 
     What a shop says of the layers of all its drawings may miss in one; what was asked for with this
     drawing in mind may not: its contours would be cut on the wrong side.
     """
-    if not (options.layer_sides or options.layer_offsets):
-        return [(rule_of("", options), sketch)], []
+    if not (cutting.layer_sides or cutting.layer_offsets):
+        return [(rule_of("", cutting), sketch)], []
     layers = [_layer(s) for s in sketch.sources]
     names = {layer.casefold() for layer in layers}
-    rules = {layer: rule_of(layer, options, names) for layer in dict.fromkeys(layers)}
+    rules = {layer: rule_of(layer, cutting, names) for layer in dict.fromkeys(layers)}
     used = sketch.segments["source"]
     cut = {layers[k] for k in np.unique(used[used >= 0]).tolist()}
     groups: list[tuple[Rule, Sketch]] = []
@@ -92,35 +96,35 @@ def split(sketch: Sketch, options: Options) -> tuple[list[tuple[Rule, Sketch]], 
         mine = of == number
         if mine.any():
             groups.append((rule, replace(sketch, segments=sketch.segments[mine])))
-    found = _missing(cut, options)
-    if not found and options.wished("clearance_um") and options.clearance_um:
-        found = _untaken([rule for rule, _ in groups], options)
-    return groups or [(rule_of("", options), sketch)], found
+    found = _missing(cut, cutting, wished)
+    if not found and "clearance_um" in wished and cutting.clearance_um:
+        found = _untaken([rule for rule, _ in groups], cutting)
+    return groups or [(rule_of("", cutting), sketch)], found
 
 
-def _untaken(rules: Sequence[Rule], options: Options) -> list[Diagnostic]:
+def _untaken(rules: Sequence[Rule], cutting: Cutting) -> list[Diagnostic]:
     """Return a warning where no contour takes the clearance that was asked for."""
     if not rules or any(rule.clearance_um for rule in rules):
         return []
-    who = options.clearance_on
+    who = cutting.clearance_on
     other = "punch" if who == "die" else "die"
     text = f"--clearance is taken by the {who}, and no contour of the drawing is cut as one"
     hint = f"--clearance-on {other}, or --layer-side for the layer that is the {who}"
     return [warning("clearance-untaken", text, hint=hint)]
 
 
-def _missing(cut: set[str], options: Options) -> list[Diagnostic]:
+def _missing(cut: set[str], cutting: Cutting, wished: Set[str]) -> list[Diagnostic]:
     """Return an error for each name for which there is no layer with something to cut."""
     there = ", ".join(sorted(cut)[:12]) or "none"
     return [
         error(
             "no-such-layer",
-            f"{word} {name}: nothing to cut is on a layer of this name",
+            f"{option_of(field)} {name}: nothing to cut is on a layer of this name",
             hint=f"layers with something to cut: {there}",
         )
-        for field, word in (("layer_sides", "--layer-side"), ("layer_offsets", "--layer-offset"))
-        if options.wished(field)
-        for name in Names((name for name, _ in getattr(options, field)), cut).unmatched
+        for field in ("layer_sides", "layer_offsets")
+        if field in wished
+        for name in Names((name for name, _ in getattr(cutting, field)), cut).unmatched
     ]
 
 

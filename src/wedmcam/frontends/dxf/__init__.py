@@ -7,6 +7,6 @@ blocks and layers, in `place`; units, in `units`; the whole, in `reader`.
 
 from __future__ import annotations
 
-from wedmcam.frontends.dxf.reader import DxfOptions, read
+from wedmcam.frontends.dxf.reader import read
 
-__all__ = ["DxfOptions", "read"]
+__all__ = ["read"]

@@ -8,13 +8,16 @@ out. Line types and colours are those that are seen: BYLAYER is the layer's, BYB
 from __future__ import annotations
 
 import difflib
+from collections.abc import Set
 from dataclasses import dataclass
 from typing import Any
 
 from wedmcam.diag import Diagnostic, FileSpan, warning
 from wedmcam.frontends.dxf.kinds import UNREADABLE
+from wedmcam.frontends.options import DrawingReading
 from wedmcam.ir.colours import colour_of, of_rgb, shown
 from wedmcam.ir.names import Names
+from wedmcam.option_table import option_of
 
 #: Line types that say nothing of their own.
 PLAIN = ("", "bylayer", "byblock", "continuous")
@@ -140,50 +143,48 @@ class Filters:
         )
 
 
-#: Filters: field of the options, option, what it names.
-OPTIONS = (
-    ("layers", "--layer", "layer"),
-    ("ignore_layers", "--ignore-layer", "layer"),
-    ("types", "--type", "type of entity"),
-    ("ignore_types", "--ignore-type", "type of entity"),
-    ("linetypes", "--linetype", "line type"),
-    ("ignore_linetypes", "--ignore-linetype", "line type"),
-    ("colours", "--colour", "colour"),
-    ("ignore_colours", "--ignore-colour", "colour"),
-)
+#: Filters: field of the options, and what it names.
+_NAMED = {
+    "layers": "layer",
+    "types": "type of entity",
+    "linetypes": "line type",
+    "colours": "colour",
+}
+FILTERS = {prefix + name: what for name, what in _NAMED.items() for prefix in ("", "ignore_")}
 
 
-def filters_of(doc: Any, options: Any, file: str, type_of: Any) -> tuple[Filters, list[Diagnostic]]:
+def filters_of(
+    doc: Any, options: DrawingReading, file: str, type_of: Any, wished: Set[str] | None = None
+) -> tuple[Filters, list[Diagnostic]]:
     """Return the filters of a drawing, and warnings about names that match nothing in it.
 
     Args:
         doc: the document.
-        options: of the reader; ``wished`` names the filters that are of this drawing alone.
+        options: of the reader.
         file: its name.
         type_of: what tells the type of an entity.
+        wished: names of the filters that are of this drawing alone; None: all.
     """
-    asked = {name: tuple(getattr(options, name)) for name, _, _ in OPTIONS}
+    asked = {name: tuple(getattr(options, name)) for name in FILTERS}
     for name in ("colours", "ignore_colours"):
         asked[name] = tuple(colour_of(text) for text in asked[name])
     there = _there(doc, type_of) if any(asked.values()) else {}
-    names = {name: Names(asked[name], there.get(what, ())) for name, _, what in OPTIONS}
+    names = {name: Names(asked[name], there.get(what, ())) for name, what in FILTERS.items()}
     found = []
-    for name, option, what in OPTIONS:
-        if options.wished is not None and name not in options.wished:
+    for name, what in FILTERS.items():
+        if wished is not None and name not in wished:
             continue
         for word in names[name].unmatched:
             told = shown(word) if what == "colour" else word
             found.append(
                 warning(
                     "filter-unmatched",
-                    f"{option} {told}: nothing in the drawing has that {what}",
+                    f"{option_of(name)} {told}: nothing in the drawing has that {what}",
                     FileSpan(file),
                     hint=_near(word, sorted(there[what]), what),
                 )
             )
-    both = [
-        Both(names[k], names[f"ignore_{k}"]) for k in ("layers", "types", "linetypes", "colours")
-    ]
+    both = [Both(names[k], names[f"ignore_{k}"]) for k in _NAMED]
     return Filters(*both), found
 
 

@@ -7,8 +7,7 @@ is an error with its handle, and what was put right is said.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Set
 from typing import Any
 
 import numpy as np
@@ -35,6 +34,7 @@ from wedmcam.frontends.dxf.shapes import Heap, gather, type_of
 from wedmcam.frontends.dxf.tags import Tags
 from wedmcam.frontends.dxf.texts import texts_of
 from wedmcam.frontends.dxf.unread import unread
+from wedmcam.frontends.options import DrawingReading
 from wedmcam.ir.colours import of_rgb
 from wedmcam.ir.sketch import Sketch, SketchInfo, Unread
 
@@ -50,40 +50,11 @@ ROUND_MM = 1e-3
 MOST_UNREADABLE = 20
 
 
-@dataclass(frozen=True, slots=True)
-class DxfOptions:
-    """How to read a drawing.
-
-    Attributes:
-        units: "mm", "um" or "inch": what one drawing unit is, whatever the drawing says; None to
-            go by the drawing.
-        fill_in_units: ``units`` only stands in where the drawing says none (``batch``).
-        layers: layers to take, in any case: names, or patterns (``*``, ``?``); none: all.
-        ignore_layers: likewise to leave out; they win.
-        types, ignore_types: likewise types of entities.
-        linetypes, ignore_linetypes: likewise line types, as they are seen.
-        colours, ignore_colours: likewise colours, as `ir.colours.colour_of` takes them.
-        wished: which of these are of this drawing alone, by name: one that matches nothing is said;
-            None: all.
-        tolerance_um: how far the arcs that splines and ellipses become may be from them.
-    """
-
-    units: str | None = None
-    fill_in_units: bool = False
-    layers: tuple[str, ...] = ()
-    ignore_layers: tuple[str, ...] = ()
-    types: tuple[str, ...] = ()
-    ignore_types: tuple[str, ...] = ()
-    linetypes: tuple[str, ...] = ()
-    ignore_linetypes: tuple[str, ...] = ()
-    colours: tuple[str, ...] = ()
-    ignore_colours: tuple[str, ...] = ()
-    wished: frozenset[str] | None = None
-    tolerance_um: float = 1.0
-
-
 def read(
-    data: bytes, file: str, options: DxfOptions | None = None
+    data: bytes,
+    file: str,
+    options: DrawingReading | None = None,
+    wished: Set[str] | None = None,
 ) -> tuple[Sketch | None, tuple[Diagnostic, ...]]:
     """Return the lines and arcs of a DXF drawing, in um, drawing coordinates.
 
@@ -91,6 +62,8 @@ def read(
         data: the file, text or binary DXF of any version that ezdxf reads.
         file: its name, for the findings.
         options: units and layers.
+        wished: names of filters that are of this drawing alone: one that matches nothing is said;
+            None: all.
 
     Returns:
         The sketch, and findings. The sketch is None where the file cannot be read or nobody says
@@ -98,9 +71,7 @@ def read(
         that comes with errors must not be cut. Segments are in order of entity, blocks after the
         layout or block that inserts them. Never raises, whatever the bytes.
     """
-    options = options or DxfOptions()
-    assert options.units is None or options.units in units.ASKED, options.units
-    assert options.tolerance_um > 0, options.tolerance_um
+    options = options or DrawingReading()
     loaded, found_loading = load(data, file)
     if loaded is None:
         return None, found_loading
@@ -110,7 +81,7 @@ def read(
         header.insunits, header.measurement, options.units, options.fill_in_units, file
     )
     found += said
-    filters, said = filters_of(loaded.doc, options, file, type_of)
+    filters, said = filters_of(loaded.doc, options, file, type_of, wished)
     found += said
     layers = Layers(loaded.doc.layers, filters.layers)
     # Without units the size is still wanted, in drawing units: 1000 um each, printed as mm.
@@ -361,7 +332,7 @@ def _problems(placed: Placement, tags: Tags) -> list[Diagnostic]:
     return found
 
 
-def _curves(placed: Placement, options: DxfOptions, file: str) -> list[Diagnostic]:
+def _curves(placed: Placement, options: DrawingReading, file: str) -> list[Diagnostic]:
     """Return the notes about curves that are arcs now."""
     where = FileSpan(file)
     found = []
@@ -469,7 +440,7 @@ def _paper_space(doc: Any) -> int:
     )
 
 
-def _empty(placed: Placement, doc: Any, options: DxfOptions, file: str) -> Diagnostic:
+def _empty(placed: Placement, doc: Any, options: DrawingReading, file: str) -> Diagnostic:
     """Return the error about a drawing with nothing to cut, with the likeliest reason."""
     paper = _paper_space(doc)
     hint = None

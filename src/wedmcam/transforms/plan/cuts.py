@@ -8,9 +8,9 @@ from wedmcam.diag import Diagnostic, error, warning
 from wedmcam.geom import measure
 from wedmcam.ir.figure import Reverse
 from wedmcam.ir.plan import Cut, Scene
-from wedmcam.options import Options
 from wedmcam.transforms.plan.idle import NEARER_END, Used
 from wedmcam.transforms.plan.leads import Threaded, lead
+from wedmcam.transforms.plan.options import Leading
 from wedmcam.transforms.plan.order import order, parents_of
 from wedmcam.transforms.plan.paths import PlannedPath
 from wedmcam.transforms.plan.scenes import PieceScene
@@ -24,7 +24,7 @@ def cuts_of(
     number: int,
     paths: Sequence[PlannedPath],
     asked: Sequence[ShapedCut],
-    options: Options,
+    leading: Leading,
     used: Used,
     words: Wording,
 ) -> tuple[list[tuple[int, Cut]], list[Diagnostic]]:
@@ -36,7 +36,7 @@ def cuts_of(
         number: see there.
         paths: of the wire.
         asked: all cuts of the source.
-        options: say what a cut does not.
+        leading: says what a cut does not.
         used: takes up what had an effect.
         words: of the source.
     """
@@ -50,7 +50,7 @@ def cuts_of(
     only: list[Collection[int]] = [mine for n, mine in own.items() for _ in asked[n].starts]
     if scene.starts is not None:
         threads, only = list(scene.starts), [range(len(paths))] * len(scene.starts)
-    threaded, found = lead(paths, threads, options.lead_um, only, words.thread_point)
+    threaded, found = lead(paths, threads, leading.lead_um, only, words.thread_point)
     if threaded is None:
         return [], found
     parents = parents_of([p.contour for p in paths], scene.nesting.parents)
@@ -61,8 +61,8 @@ def cuts_of(
     for k in order(parents, [t.thread for t in threaded], drawn, how):
         path, one, item = paths[k], threaded[k], asked[cut_of[k]].item
         closed = one.path.closed
-        stop = item.stop if item.stop is not None else options.stop_um
-        over = item.overcut if item.overcut is not None else options.overcut_um
+        stop = item.stop if item.stop is not None else leading.stop_um
+        over = item.overcut if item.overcut is not None else leading.overcut_um
         used.add("stop_um", closed and item.stop is None)
         used.add("overcut_um", closed and item.overcut is None)
         used.add("lead_um", one.measured and item.lead is None)
@@ -87,7 +87,7 @@ def cuts_of(
     found += _too_long(made, asked, words)
     for n, mine in own.items():
         turned = [paths[k] for k in sorted(mine) if _turned(paths[k], threaded[k])]
-        found += _overruled(turned, asked[n], options, words)
+        found += _overruled(turned, asked[n], leading.reverse and used.wished("reverse"), words)
     return made, found
 
 
@@ -102,10 +102,10 @@ def _idle_lead(asked: ShapedCut) -> Diagnostic:
 
 
 def _overruled(
-    turned: Sequence[PlannedPath], asked: ShapedCut, options: Options, words: Wording
+    turned: Sequence[PlannedPath], asked: ShapedCut, reverse: bool, words: Wording
 ) -> list[Diagnostic]:
     """Return a warning where open paths of a cut are run the other way than was asked for."""
-    said = ["--reverse"] if options.reverse and options.wished("reverse") else []
+    said = ["--reverse"] if reverse else []
     said += ["'reverse'"] if any(isinstance(t, Reverse) for t, _ in asked.item.shape.stages) else []
     if not said or not turned:
         return []

@@ -16,11 +16,11 @@ from wedmcam.ir.contour import Contour
 from wedmcam.ir.part import CutItem, Shape
 from wedmcam.ir.plan import Order, Side
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.options import Options
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.layers import Group, Rule
 from wedmcam.transforms.merge import merge_arcs
 from wedmcam.transforms.nest import Nesting, nest
+from wedmcam.transforms.plan.options import Cutting, Leading
 from wedmcam.transforms.plan.scenes import EQUAL_UM
 from wedmcam.transforms.plan.shaped import ShapedCut
 
@@ -38,7 +38,9 @@ def cuts_of_drawing(
     groups: Sequence[Group],
     nesting: Nesting,
     threads: Sequence[ThreadPoint],
-    options: Options,
+    cutting: Cutting,
+    leading: Leading,
+    join_um: float,
 ) -> tuple[tuple[ShapedCut, ...], list[Diagnostic]]:
     """Return the cuts that a drawing is: one, or one for each side and offset of its layers.
 
@@ -48,22 +50,24 @@ def cuts_of_drawing(
         groups: contours as `chain` or the transforms made them.
         nesting: of all of them.
         threads: thread points of the drawing.
-        options: state further thread points and the order.
+        cutting: states the offset of layers without their own.
+        leading: states further thread points and the order.
+        join_um: the largest gap that was closed.
     """
     starts = (
         *threads,
         *(
             ThreadPoint(x, y, option=f"--start {k}")
-            for k, (x, y) in enumerate(options.starts_um, 1)
+            for k, (x, y) in enumerate(leading.starts_um, 1)
         ),
     )
-    order = options.order or Order.INNER_FIRST
-    found = [d for group in groups for d in _unfit(group, options)]
+    order = leading.order or Order.INNER_FIRST
+    found = [d for group in groups for d in _unfit(group, join_um)]
     if len(groups) == 1:
         (group,) = groups
         item = _item(group.rule)
         cut = ShapedCut(item, group.contours, starts, order=order, nesting=nesting)
-        return (cut,), [*found, *_behind(group, options)]
+        return (cut,), [*found, *_behind(group, cutting)]
     dies = [c for g in groups if g.rule.side is Side.DIE for c in g.contours if c.closed]
     parted: list[tuple[Group, int, tuple[Contour, ...]]] = []
     for group in groups:
@@ -72,7 +76,7 @@ def cuts_of_drawing(
             mine = tuple(c for k, c in enumerate(group.contours) if (k in punch) == bool(plate))
             if mine:
                 parted.append((group, plate, mine))
-        found += _behind(group, options)
+        found += _behind(group, cutting)
     cuts = []
     for group, plate, mine in parted:
         others = [
@@ -165,9 +169,9 @@ def _plates(cuts: Sequence[ShapedCut]) -> list[Diagnostic]:
     ]
 
 
-def _behind(group: Group, options: Options) -> list[Diagnostic]:
+def _behind(group: Group, cutting: Cutting) -> list[Diagnostic]:
     """Return a note where the clearance is at least the offset: the wire runs behind the line."""
-    wire = group.rule.offset_um or options.offset_um or 0.0
+    wire = group.rule.offset_um or cutting.offset_um or 0.0
     apart = wire - group.rule.clearance_um
     if not group.contours or not group.rule.clearance_um or apart > 0:
         return []
@@ -190,7 +194,7 @@ def _behind(group: Group, options: Options) -> list[Diagnostic]:
     ]
 
 
-def _unfit(group: Group, options: Options) -> list[Diagnostic]:
+def _unfit(group: Group, join_um: float) -> list[Diagnostic]:
     """Return errors where contours do not fit the side: open ones to cut round, closed ones left.
 
     An open contour is followed only where that was asked for by name (left, right, on): a gap in an
@@ -201,7 +205,7 @@ def _unfit(group: Group, options: Options) -> list[Diagnostic]:
     contours, side, stated = group.contours, group.rule.side, group.rule.stated
     if side in (Side.PART, Side.DIE) or not stated:
         opened = [merge_arcs(c) for c in contours if not c.closed]
-        found += open_contour_findings(opened, options.join_um)
+        found += open_contour_findings(opened, join_um)
     if side in (Side.LEFT, Side.RIGHT):
         for c in (merge_arcs(c) for c in contours if c.closed):
             x, y = float(c.vertices["x"][0]) / 1000, float(c.vertices["y"][0]) / 1000

@@ -15,46 +15,45 @@ from dataclasses import dataclass, field
 
 from wedmcam.diag import Diagnostic, warning
 from wedmcam.ir.part import Part
-from wedmcam.options import Options
+from wedmcam.option_table import ROWS, option_of
+from wedmcam.transforms.plan.options import Cutting, Leading
 from wedmcam.transforms.plan.wording import Wording
 
-#: Options of drawings, and what a part program has in their place.
+#: Fields that are of drawings, and what a part program has in their place.
 _OF_DRAWINGS = (
-    ("layers", "--layer", "a part program has no layers"),
-    ("ignore_layers", "--ignore-layer", "a part program has no layers"),
-    ("types", "--type", "a part program has no entities"),
-    ("ignore_types", "--ignore-type", "a part program has no entities"),
-    ("linetypes", "--linetype", "a part program has no line types"),
-    ("ignore_linetypes", "--ignore-linetype", "a part program has no line types"),
-    ("colours", "--colour", "a part program has no colours"),
-    ("ignore_colours", "--ignore-colour", "a part program has no colours"),
-    ("join_um", "--join", "chains whose ends meet within 1 um join"),
-    ("tolerance_um", "--tolerance", "a part program has no splines"),
-    ("side", "--side", "each cut names its side"),
-    ("layer_sides", "--layer-side", "a part program has no layers"),
-    ("layer_offsets", "--layer-offset", "a part program has no layers"),
-    ("clearance_um", "--clearance", "each cut names its offset"),
-    ("starts_um", "--start", "each cut names its start"),
-    ("order", "--order", "cuts are made in the order in which they are written"),
+    ("layers", "a part program has no layers"),
+    ("ignore_layers", "a part program has no layers"),
+    ("types", "a part program has no entities"),
+    ("ignore_types", "a part program has no entities"),
+    ("linetypes", "a part program has no line types"),
+    ("ignore_linetypes", "a part program has no line types"),
+    ("colours", "a part program has no colours"),
+    ("ignore_colours", "a part program has no colours"),
+    ("join_um", "chains whose ends meet within 1 um join"),
+    ("tolerance_um", "a part program has no splines"),
+    ("side", "each cut names its side"),
+    ("layer_sides", "a part program has no layers"),
+    ("layer_offsets", "a part program has no layers"),
+    ("clearance_um", "each cut names its offset"),
+    ("starts_um", "each cut names its start"),
+    ("order", "cuts are made in the order in which they are written"),
 )
-#: Options of the wire path, in the order in which they are told.
-_OF_PATH = (
-    ("offset_um", "--offset"),
-    ("corner_um", "--corner"),
-    ("sharp", "--convex"),
-    ("trim", "--on-interference"),
-    ("lead_um", "--lead"),
-    ("stop_um", "--stop"),
-    ("overcut_um", "--overcut"),
-)
+#: Fields of the wire path, in the order in which they are told.
+_OF_PATH = ("offset_um", "corner_um", "sharp", "trim", "lead_um", "stop_um", "overcut_um")
 #: Why a direction that was stated is not that of the wire.
 NEARER_END = "an open contour is run from the end that is nearer to its thread point"
 
 
 @dataclass(slots=True)
 class Used:
-    """Names of the fields of the options that had an effect; stages add to it."""
+    """Names of the fields of the options that had an effect; stages add to it.
 
+    Attributes:
+        asked_for: names of the fields that were asked for.
+        names: of those that had an effect.
+    """
+
+    asked_for: Set[str] = frozenset()
     names: set[str] = field(default_factory=set)
 
     def add(self, name: str, when: bool = True) -> None:
@@ -62,36 +61,52 @@ class Used:
         if when:
             self.names.add(name)
 
+    def wished(self, name: str) -> bool:
+        """Return whether a field was asked for; a default of a shop is no wish."""
+        return name in self.asked_for
 
-def of_source(part: Part, options: Options) -> list[Diagnostic]:
-    """Return warnings on options that are for drawings: a part program says these itself."""
+
+def of_source(part: Part, units: str | None, wished: Set[str]) -> list[Diagnostic]:
+    """Return warnings on options that are for drawings: a part program says these itself.
+
+    Args:
+        part: the part program.
+        units: that are stated for a drawing.
+        wished: names of the fields that were asked for.
+    """
     found = []
-    for name, word, instead in _OF_DRAWINGS:
-        if options.wished(name):
-            found.append(warning("wed-option", f"{word} has no effect: {instead}"))
-    if options.wished("units") and options.units not in (None, part.units):
-        text = f"--units {options.units} has no effect: the part program is in {part.units}"
+    for name, instead in _OF_DRAWINGS:
+        if name in wished:
+            found.append(warning("wed-option", f"{option_of(name)} has no effect: {instead}"))
+    if "units" in wished and units not in (None, part.units):
+        text = f"--units {units} has no effect: the part program is in {part.units}"
         found.append(warning("wed-option", text, hint="units stand in its first line"))
     return found
 
 
-def of_path(used: Set[str], options: Options, words: Wording) -> list[Diagnostic]:
+def of_path(used: Used, cutting: Cutting, leading: Leading, words: Wording) -> list[Diagnostic]:
     """Return warnings on options of the wire path that were wished for and not used.
 
     Args:
-        used: names of the fields that had an effect.
-        options: as asked for.
+        used: which fields had an effect.
+        cutting: as asked for.
+        leading: likewise.
         words: of the source.
     """
     found = []
-    for name, word in _OF_PATH:
+    for name in _OF_PATH:
         why = words.idle_reasons.get(name)
+        group = cutting if hasattr(cutting, name) else leading
         # 0 asks for nothing, unless a cut says something else.
-        empty = not getattr(options, name) and name not in words.stated
-        if why and not empty and name not in used and options.wished(name):
-            given = [w for w in ("wire", "gap") if f"{w}_um" in (options.wishes or ())]
-            if name == "offset_um" and given:
-                word = " and ".join(f"--{w}" for w in given)
+        empty = not getattr(group, name) and name not in words.stated
+        if why and not empty and name not in used.names and used.wished(name):
+            word = " and ".join(_fillers(name, used)) or option_of(name)
             has = "have" if " and " in word else "has"
             found.append(warning(words.idle, f"{word} {has} no effect: {why}"))
     return found
+
+
+def _fillers(name: str, used: Used) -> list[str]:
+    """Return the options that were given in the place of one, and state its field."""
+    rows = [row for row in ROWS.values() if row.fills == name]
+    return [row.option for row in rows if used.wished(row.name)]

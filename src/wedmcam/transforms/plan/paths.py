@@ -14,8 +14,8 @@ from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.options import Options
 from wedmcam.transforms.compensate import Interference, compensate
+from wedmcam.transforms.plan.options import Cutting
 from wedmcam.transforms.plan.pieces import Piece
 from wedmcam.transforms.plan.scenes import PieceScene
 from wedmcam.transforms.plan.shaped import ShapedCut
@@ -54,7 +54,7 @@ class PlannedPath:
 def planned_paths(
     scene: PieceScene,
     cuts: Sequence[ShapedCut],
-    options: Options,
+    cutting: Cutting,
     ar: Arithmetic,
     words: Wording,
 ) -> tuple[list[PlannedPath] | None, list[Diagnostic]]:
@@ -64,10 +64,10 @@ def planned_paths(
     found: list[Diagnostic] = []
     sided = scene.pieces[0].outside is not None
     if any(shifts):
-        result, found = compensate(contours, shifts, arithmetic=ar, sharp=options.sharp)
+        result, found = compensate(contours, shifts, arithmetic=ar, sharp=cutting.sharp)
         if found:
             return None, found
-        found += interference(contours, shifts, result.interference, options.trim)
+        found += interference(contours, shifts, result.interference, cutting.trim)
         rounded = any(p.rounded for p in scene.pieces)
         if result.inner_corners and result.paths and sided and not rounded:
             wire = max(p.offset + p.clearance for p in scene.pieces)

@@ -14,12 +14,12 @@ from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, TextSpan, error, has_errors
 from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour
-from wedmcam.options import Options
 from wedmcam.transforms import figures
 from wedmcam.transforms.corners import round_corners
 from wedmcam.transforms.merge import merge_arcs
 from wedmcam.transforms.nest import nest
 from wedmcam.transforms.plan.idle import Used
+from wedmcam.transforms.plan.options import Cutting
 from wedmcam.transforms.plan.shaped import ShapedCut
 
 
@@ -60,12 +60,12 @@ def runs_outside(depth: int, outside: bool) -> bool:
 
 
 def pieces_of(
-    number: int, cut: ShapedCut, options: Options, ar: Arithmetic, used: Used
+    number: int, cut: ShapedCut, cutting: Cutting, reverse: bool, ar: Arithmetic, used: Used
 ) -> tuple[list[Piece], list[Diagnostic]]:
     """Return the contours of cut ``number`` with the side on which the wire runs."""
     item, found = cut.item, []
     side = item.side
-    offset = item.offset if item.offset is not None else options.offset_um
+    offset = item.offset if item.offset is not None else cutting.offset_um
     if side != "on" and not offset:
         found.append(
             error(
@@ -81,7 +81,7 @@ def pieces_of(
     used.add("corner_um", item.corner is None)
     for name in ("sharp", "trim"):
         used.add(name, offset != 0)
-    corner = item.corner if item.corner is not None else options.corner_um
+    corner = item.corner if item.corner is not None else cutting.corner_um
     if 0 < corner < offset:
         found.append(
             error(
@@ -124,7 +124,7 @@ def pieces_of(
                 way > 0 if known else None,
                 offset,
                 item.clearance,
-                stated != options.reverse,
+                stated != reverse,
                 corner > 0,
             )
         )

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 from wedmcam.arithmetic import Arithmetic
 from wedmcam.diag import Diagnostic, error, has_errors
 from wedmcam.ir.plan import Cut, Plan, Scene, outline_numbers
-from wedmcam.options import Options
 from wedmcam.transforms.plan.beside import beside
 from wedmcam.transforms.plan.cuts import cuts_of
 from wedmcam.transforms.plan.idle import Used, of_path
 from wedmcam.transforms.plan.leads import Threaded, across
 from wedmcam.transforms.plan.material import thin_material
+from wedmcam.transforms.plan.options import Cutting, Leading
 from wedmcam.transforms.plan.paths import planned_paths
 from wedmcam.transforms.plan.pieces import Piece, pieces_of
 from wedmcam.transforms.plan.scenes import PieceScene, scenes_of
@@ -21,18 +21,25 @@ from wedmcam.transforms.plan.wording import Wording
 
 
 def plan_cuts(
-    asked: Sequence[ShapedCut], options: Options, ar: Arithmetic, words: Wording
+    asked: Sequence[ShapedCut],
+    cutting: Cutting,
+    leading: Leading,
+    ar: Arithmetic,
+    words: Wording,
+    wished: Set[str] = frozenset(),
 ) -> tuple[Plan | None, list[Diagnostic]]:
     """Return where the wire goes, cut by cut in the order in which they are asked for.
 
     Args:
         asked: what is cut and how; a drawing is one cut.
-        options: say what a cut does not.
+        cutting: says what a cut does not.
+        leading: likewise.
         ar: the arithmetic of the formulas.
         words: of the source.
+        wished: names of the fields that were asked for.
     """
-    used = Used()
-    scenes, found = scenes_to_cut(asked, options, ar, used)
+    used = Used(wished)
+    scenes, found = scenes_to_cut(asked, cutting, leading.reverse, ar, used)
     if scenes is None:
         return None, found
     cuts: list[tuple[int, Cut]] = []
@@ -41,11 +48,11 @@ def plan_cuts(
     for number, scene in enumerate(scenes):
         planned.append(scene.as_planned(asked, first))
         first += len(scene.pieces)
-        paths, problems = planned_paths(scene, asked, options, ar, words)
+        paths, problems = planned_paths(scene, asked, cutting, ar, words)
         found += problems
         if paths is None:
             continue
-        some, problems = cuts_of(scene, planned[-1], number, paths, asked, options, used, words)
+        some, problems = cuts_of(scene, planned[-1], number, paths, asked, leading, used, words)
         cuts += some
         found += problems
     if len(scenes) > 1 and not has_errors(found):
@@ -63,20 +70,20 @@ def plan_cuts(
             *found,
             error("nothing-to-cut", text.format(offset=f"{offset / 1000:.3f}"), hint=hint),
         ]
-    found += of_path(used.names, options, words)
+    found += of_path(used, cutting, leading, words)
     if not asked[0].of_drawing:  # a drawing states no order, its scenes are in theirs
         cuts.sort(key=lambda numbered: numbered[0])
     return Plan(tuple(cut for _, cut in cuts), tuple(planned)), found
 
 
 def scenes_to_cut(
-    asked: Sequence[ShapedCut], options: Options, ar: Arithmetic, used: Used
+    asked: Sequence[ShapedCut], cutting: Cutting, reverse: bool, ar: Arithmetic, used: Used
 ) -> tuple[list[PieceScene] | None, list[Diagnostic]]:
     """Return what makes one part each; None where contours cross or leave no wall."""
     found: list[Diagnostic] = []
     pieces: list[Piece] = []
     for number, cut in enumerate(asked):
-        own, problems = pieces_of(number, cut, options, ar, used)
+        own, problems = pieces_of(number, cut, cutting, reverse, ar, used)
         pieces += own
         found += problems
     if has_errors(found):
@@ -87,7 +94,7 @@ def scenes_to_cut(
         return None, found
     for plate in sorted({scene.plate for scene in scenes}):
         on_plate = [scene for scene in scenes if scene.plate == plate]
-        found += thin_material(on_plate, options.thin_wall_um)
+        found += thin_material(on_plate, cutting.thin_wall_um)
     if has_errors(found):
         return None, found
     return scenes, found

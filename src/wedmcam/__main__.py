@@ -97,7 +97,7 @@ def _said(why: BaseException) -> int:
     import click
 
     from wedmcam.cli.say import say_error
-    from wedmcam.options import WrongUse
+    from wedmcam.diag.run import WrongUse
 
     if isinstance(why, click.exceptions.Exit):
         return why.exit_code

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import fields
+from typing import Any, NamedTuple
 
 from wedmcam.ranges import PLACE, Range
 
@@ -46,8 +46,7 @@ class Panel(enum.Enum):
     OUTPUT = "what is said"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class Row(NamedTuple):
     """One option.
 
     Attributes:

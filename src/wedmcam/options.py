@@ -21,24 +21,7 @@ from wedmcam.option_table import ROWS, Kind, Row, check_kinds, field_rows, optio
 from wedmcam.targets.options import Operator
 from wedmcam.transforms.plan.options import Cutting, Leading, Portion
 
-#: File name endings of programs, and the format each means; the first of a format is written.
-FORMAT_OF_SUFFIX = {
-    ".3b": "3b",
-    ".zd": "compact",
-    ".zdr": "rotation",
-    ".zdc": "compensation",
-    ".nc": "iso",
-    ".4b": "4b",
-    ".ngc": "iso",
-    ".gcode": "iso",
-    ".iso": "iso",
-    ".eia": "iso",
-}
-SUFFIX_OF_FORMAT: dict[str, str] = {}
-for _ending, _format in FORMAT_OF_SUFFIX.items():
-    SUFFIX_OF_FORMAT.setdefault(_format, _ending)
-PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
-SOURCE_FORMATS = ("dxf", "wed")
+#: In what formulas can run.
 ARITHMETICS = ROWS["arithmetic"].words
 #: The groups by the fields of `Options` that hold them, in the order in which they are checked.
 GROUPS: dict[str, type] = {
@@ -136,8 +119,8 @@ class Options:
 
     def as_data(self) -> dict[str, Any]:
         """Return the options as plain data for the certificate; defaults are left out."""
-        values = {row: self.value(row) for row in field_rows()}
-        return {row.name: _plain(v, row) for row, v in values.items() if v != row.usual}
+        stated = [row for row in field_rows() if self.value(row) != row.usual]
+        return {row.name: _plain(self.value(row), row) for row in stated}
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Options:

@@ -9,13 +9,14 @@ import pytest
 from test_cli_programs import run, status
 
 from wedmcam import api
+from wedmcam.formats.names import SUFFIX_OF_FORMAT
 from wedmcam.frontends import DECODERS
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin, default
 from wedmcam.operations import convert as conversion
 from wedmcam.operations.together import compile_several
-from wedmcam.options import SUFFIX_OF_FORMAT, Options
+from wedmcam.options import Options
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = sorted((ROOT / "samples").glob("*.dxf"))

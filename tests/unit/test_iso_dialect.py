@@ -14,8 +14,8 @@ from wedmcam import api
 from wedmcam.api import positions
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity, has_errors
+from wedmcam.frontends.answers import ANSWERS
 from wedmcam.frontends.iso.dialect import QUESTIONS, reads_as_words
-from wedmcam.frontends.options import ANSWERS
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
 from wedmcam.operations import convert as conversion

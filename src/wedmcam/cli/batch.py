@@ -25,7 +25,8 @@ from wedmcam.cli.files import Failed, read_input, remove_unfinished, write_outpu
 from wedmcam.cli.progress import Bar
 from wedmcam.cli.tell import tell
 from wedmcam.diag import json_text, visible
-from wedmcam.options import SUFFIX_OF_FORMAT, WrongUse
+from wedmcam.diag.run import WrongUse
+from wedmcam.formats.names import SUFFIX_OF_FORMAT
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation

@@ -120,7 +120,7 @@ def convert_command(
 
 def _set_profile(output: str, to: str | None) -> str | None:
     """Return the profile that a settings file gives for the format of the output, if any."""
-    from wedmcam.options import FORMAT_OF_SUFFIX
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX
 
     setting = profile_for(to or FORMAT_OF_SUFFIX.get(Path(output).suffix.lower()))
     return setting.value if setting else None

@@ -45,8 +45,8 @@ def read_program(name: str) -> bytes:
         click.ClickException: it cannot be read; exit status 1.
         WrongUse: it is a drawing.
     """
+    from wedmcam.diag.run import WrongUse
     from wedmcam.frontends.identify import is_drawing
-    from wedmcam.options import WrongUse
 
     data = read_input(name)
     if is_drawing(data):

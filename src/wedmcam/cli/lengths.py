@@ -82,7 +82,7 @@ class Unit(click.ParamType):  # type: ignore[type-arg]
 
     def convert(self, value: Any, param: Any, ctx: Any) -> str:
         """Return the text; a wrong one is wrong use."""
-        from wedmcam.frontends.options import nm_of
+        from wedmcam.frontends.answers import nm_of
 
         try:
             nm_of(value)

@@ -538,7 +538,8 @@ def _machine_of_either(
         WrongUse: the profile is of another format than the program.
     """
     from wedmcam.cli.settings import format_of_program
-    from wedmcam.options import PROGRAM_FORMATS, WrongUse
+    from wedmcam.diag.run import WrongUse
+    from wedmcam.formats.names import PROGRAM_FORMATS
 
     format_ = format_of_program(program)
     for typed_ in (profile, either):
@@ -603,7 +604,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     """
     from wedmcam import api
     from wedmcam.cli import say
-    from wedmcam.options import FORMAT_OF_SUFFIX
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX
 
     check_outputs([input_, *also_read(click.get_current_context())], [output])
     if Path(output).suffix.lower() != ".dxf":
@@ -651,8 +652,8 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
 
 
 def _is_program(data: bytes) -> bool:
+    from wedmcam.formats.names import PROGRAM_FORMATS
     from wedmcam.frontends.identify import identify
-    from wedmcam.options import PROGRAM_FORMATS
 
     seen = identify(data)
     return seen.format in PROGRAM_FORMATS

@@ -130,8 +130,8 @@ compile_options = _stack(drawing_options, path_options, machine_options)
 
 def _values_of(params: dict[str, Any], rows: Iterable[Row]) -> dict[str, Any]:
     """Return the values of fields, by their names, as far as something is said of them."""
-    said = {row: params[row.param] for row in rows if params.get(row.param) is not None}
-    return {row.name: _value(given, row) for row, given in said.items()}
+    stated = [row for row in rows if params.get(row.param) is not None]
+    return {row.name: _value(params[row.param], row) for row in stated}
 
 
 def _value(given: Any, row: Row) -> Any:
@@ -311,7 +311,8 @@ def check_source(name: str, from_: str | None) -> None:
     Raises:
         WrongUse: with what can be read.
     """
-    from wedmcam.options import FORMAT_OF_SUFFIX, SOURCE_FORMATS, WrongUse
+    from wedmcam.diag.run import WrongUse
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX, SOURCE_FORMATS
 
     if from_ is not None and from_ not in SOURCE_FORMATS:
         raise WrongUse(f"no source format is called '{from_}': {', '.join(SOURCE_FORMATS)}")
@@ -325,7 +326,8 @@ def format_of(output: str, to: str | None, profile: Machine | None = None) -> st
     Raises:
         WrongUse: neither says.
     """
-    from wedmcam.options import FORMAT_OF_SUFFIX, PROGRAM_FORMATS, WrongUse
+    from wedmcam.diag.run import WrongUse
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX, PROGRAM_FORMATS
 
     if to is not None:
         if to not in PROGRAM_FORMATS:
@@ -351,7 +353,7 @@ def warn_of_idle(names: Set[str], why: str) -> None:
 
 def warn_of_name(output: str, format_: str) -> None:
     """Say so when the name of an output tells another format than is written."""
-    from wedmcam.options import FORMAT_OF_SUFFIX
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX
 
     named = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
     if named is not None and named != format_:

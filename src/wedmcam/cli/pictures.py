@@ -49,7 +49,7 @@ def write_refused(made: Any, title: str, name: str, source: str) -> bool:
     Returns:
         Whether it was written.
     """
-    from wedmcam.options import WrongUse
+    from wedmcam.diag.run import WrongUse
 
     try:
         data = picture(made, title, name)

@@ -113,7 +113,8 @@ def _probe_written(output: str, profile: str) -> int:
     from wedmcam import probe
     from wedmcam.cli import say
     from wedmcam.cli.files import check_outputs, write_outputs
-    from wedmcam.options import FORMAT_OF_SUFFIX, WrongUse
+    from wedmcam.diag.run import WrongUse
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX
 
     machine, found, text = _read(profile)
     say.say_findings(found, profile, texts={profile: text})

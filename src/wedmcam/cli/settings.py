@@ -332,7 +332,7 @@ def _checked(key: str, value: Any, folder: Path) -> Any:
     if key in PROFILES:
         return _profile(value, folder)
     if key in ("to", "from"):
-        from wedmcam.options import PROGRAM_FORMATS, SOURCE_FORMATS
+        from wedmcam.formats.names import PROGRAM_FORMATS, SOURCE_FORMATS
 
         formats = PROGRAM_FORMATS if key == "to" else SOURCE_FORMATS
         if value not in formats:
@@ -503,7 +503,7 @@ def _aside(
 
 
 def _format_of_name(params: Mapping[str, Any]) -> str | None:
-    from wedmcam.options import FORMAT_OF_SUFFIX
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX
 
     output = params.get("output")
     return FORMAT_OF_SUFFIX.get(Path(output).suffix.lower()) if output else None
@@ -529,7 +529,7 @@ def _unfit_profile(setting: Setting, nearer: Mapping[str, Any], params: Mapping[
 
 def _format_of_program(params: Mapping[str, Any]) -> str | None:
     """Return the format of a program that is read (verify, plot); None where none is."""
-    from wedmcam.options import FORMAT_OF_SUFFIX
+    from wedmcam.formats.names import FORMAT_OF_SUFFIX
 
     name = params.get("program") or ("output" in params and params.get("input_"))
     if not name:

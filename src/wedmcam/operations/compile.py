@@ -10,12 +10,12 @@ from wedmcam.compiler import pipeline
 from wedmcam.compiler.portion import portion
 from wedmcam.compiler.results import Compilation
 from wedmcam.compiler.summary import summary_of, understood_of
-from wedmcam.diag.run import Refused, Run
+from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
 from wedmcam.machines import Machine
 from wedmcam.operations.arithmetics import difference_um
 from wedmcam.operations.profiles import machine_for
-from wedmcam.options import Options, WrongUse, options_in_mm
+from wedmcam.options import Options, options_in_mm
 from wedmcam.reports.source_map import source_map as map_of
 from wedmcam.targets import target_of
 

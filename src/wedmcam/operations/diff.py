@@ -6,7 +6,7 @@ from typing import Any
 
 from wedmcam.diag import Diagnostic
 from wedmcam.files import Source
-from wedmcam.frontends.options import ANSWERS, check_answers
+from wedmcam.frontends.answers import ANSWERS, check_answers
 from wedmcam.judge.difference import Difference, difference
 from wedmcam.machines import Machine
 from wedmcam.operations.read import read_program

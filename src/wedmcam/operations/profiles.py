@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from wedmcam import machines
+from wedmcam.diag.run import WrongUse
+from wedmcam.formats.names import FORMAT_OF_SUFFIX
 from wedmcam.machines import Machine
 from wedmcam.machines.write import as_toml
-from wedmcam.options import FORMAT_OF_SUFFIX, WrongUse
 from wedmcam.targets import Target, target_of
 
 

@@ -9,8 +9,8 @@ from typing import Any
 from wedmcam.diag import Diagnostic
 from wedmcam.diag.run import Refused, Run
 from wedmcam.files import Source, bytes_of
+from wedmcam.frontends.answers import check_answers, nm_of
 from wedmcam.frontends.iso.dialect import Dialect
-from wedmcam.frontends.options import check_answers, nm_of
 from wedmcam.ir.program import Program
 from wedmcam.judge.totals import figures as figures_of
 from wedmcam.machines import Machine
@@ -19,7 +19,7 @@ from wedmcam.targets import Entries, target_of
 
 
 def dialect_of(said: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:
-    """Return what is said of a program beside its text; keywords as in `frontends.options.ANSWERS`.
+    """Return what is said of a program beside its text; keywords as in `frontends.answers.ANSWERS`.
 
     Args:
         said: the answers.

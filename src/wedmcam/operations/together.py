@@ -14,13 +14,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wedmcam.diag import Diagnostic, error
-from wedmcam.diag.run import Run
+from wedmcam.diag.run import Run, WrongUse
 from wedmcam.files import bytes_of
+from wedmcam.formats.names import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT
 from wedmcam.machines import Machine
 from wedmcam.operations.compile import compile_plan, planned_for
 from wedmcam.operations.convert import WITHIN_UM
 from wedmcam.operations.profiles import starts_of
-from wedmcam.options import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT, Options, WrongUse
+from wedmcam.options import Options
 from wedmcam.targets import target_of
 
 if TYPE_CHECKING:

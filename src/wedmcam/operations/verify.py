@@ -13,7 +13,7 @@ from wedmcam.compiler.results import Proof
 from wedmcam.compiler.sources import Drawn
 from wedmcam.compiler.summary import proof_summary, summary_of, understood_of
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
-from wedmcam.diag.run import Refused, Run
+from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
 from wedmcam.formats.quadrants import quadrant
 from wedmcam.ir.plan import Plan, Side
@@ -31,7 +31,7 @@ from wedmcam.operations.profiles import (
     targets_of,
 )
 from wedmcam.operations.read import dialect_of
-from wedmcam.options import Options, WrongUse, options_in_mm
+from wedmcam.options import Options, options_in_mm
 from wedmcam.targets import Entries, Target
 
 

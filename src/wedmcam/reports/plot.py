@@ -9,10 +9,10 @@ from wedmcam.compiler.results import Compilation, Inspection, Proof
 from wedmcam.compiler.sources import Seen, rows_of
 from wedmcam.diag import Diagnostic, EntityRef, Severity, has_errors
 from wedmcam.diag.render import merged, render
+from wedmcam.diag.run import WrongUse
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.verdict import Verdict
 from wedmcam.machines import Machine
-from wedmcam.diag.run import WrongUse
 from wedmcam.programs.places import block_ends
 from wedmcam.programs.rows import dump
 from wedmcam.reports.picture.page import page

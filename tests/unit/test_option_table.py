@@ -7,11 +7,13 @@ from pathlib import Path
 
 import click
 import pytest
+from click.testing import CliRunner
 
 import wedmcam
 from wedmcam.cli.main import cli
 from wedmcam.cli.options import options_of
 from wedmcam.cli.settings import COMMANDS, known_options
+from wedmcam.diag.run import WrongUse
 from wedmcam.ir.choices import Order, Side
 from wedmcam.option_table import ROWS, Kind, field_rows
 from wedmcam.options import GROUPS, Options, options_in_mm
@@ -151,6 +153,29 @@ def test_only_the_shell_and_the_compiler_take_options_whole():
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.args:
                 replaced = node.func.id == "replace" and ast.unparse(node.args[0]) == "options"
                 assert not replaced or room in {"compiler", "operations"}, f"{path}:{node.lineno}"
+
+
+def test_inspect_takes_what_says_how_a_source_is_read(tmp_path):
+    (tmp_path / "part.txt").write_text(
+        'part "p"\nlet r = 5\ncontour c { circle center (0, 0) radius r }\n'
+        "cut c inside offset 0.1\n"
+    )
+    words = ["inspect", str(tmp_path / "part.txt"), "--from", "wed", "-D", "r=3", "--json"]
+    done = CliRunner().invoke(cli, words)
+    assert not done.stderr
+    assert json.loads(done.stdout)["size_mm"] == [6.0, 6.0]
+
+
+def test_inspect_takes_a_side_without_an_offset():
+    """The largest one is what it looks for; a path on that side needs one."""
+    drawing = str(PACKAGE.parents[1] / "samples/plate.dxf")
+    for words in (["--side", "die"], ["--side", "die", "--layer-side", "CUT=die"]):
+        done = CliRunner().invoke(cli, ["inspect", drawing, "--json", *words])
+        assert json.loads(done.stdout)["largest_offset"]["side"] == "die"
+    with pytest.raises(WrongUse, match="--side die needs an offset"):
+        Options.of(side=Side.DIE)
+    with pytest.raises(WrongUse, match="--layer-side A=die needs an offset"):
+        options_in_mm(layer_sides={"A": "die"})
 
 
 def test_what_is_usual_can_be_asked_for():

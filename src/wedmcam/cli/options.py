@@ -110,20 +110,9 @@ said_options = _stack(
     click.option("-v", "--verbose", is_flag=True, help="Say more."),
 )
 
-
-def _names(*stacks: Callable[[Any], Any]) -> frozenset[str]:
-    """Return the names of the parameters that stacks of options make."""
-
-    def probe() -> None: ...
-
-    for stack in stacks:
-        probe = stack(probe)
-    return frozenset(str(option.name) for option in probe.__click_params__)  # type: ignore[attr-defined]
-
-
 #: Parameters that say how a drawing is read, and how it is cut.
-DRAWING_NAMES = _names(drawing_options)
-PATH_NAMES = _names(path_options)
+DRAWING_NAMES = frozenset(row.param for row in rows_of(Panel.DRAWING))
+PATH_NAMES = frozenset(row.param for row in rows_of(Panel.PATH))
 
 compile_options = _stack(drawing_options, path_options, machine_options)
 

@@ -76,9 +76,15 @@ SAMPLES = {
 }
 
 
+def command_of(name):
+    command = cli.get_command(click.Context(cli), name)
+    assert command is not None
+    return command
+
+
 def typed(*words):
     """Return the options of what is typed for the one command that takes them all."""
-    command = cli.commands["verify"]
+    command = command_of("verify")
     with command.make_context("verify", ["x.3b", *words]) as context:
         return options_of(dict(context.params))
 
@@ -100,7 +106,7 @@ def test_a_row_reaches_the_command_line_or_says_why_not(name):
     offered = [
         option
         for command in COMMANDS
-        for option in cli.commands[command].params
+        for option in command_of(command).params
         if isinstance(option, click.Option) and row.option and row.option in option.opts
     ]
     assert bool(offered) == (row.panel is not None) == (not row.unoffered)

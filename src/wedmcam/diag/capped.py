@@ -65,7 +65,7 @@ def capped(found: Iterable[Diagnostic]) -> list[Diagnostic]:
 def rest_of(of: Diagnostic, count: int) -> Diagnostic:
     """Return the finding that stands for ``count`` more of the kind of ``of``."""
     return Diagnostic(
-        of.severity, of.code, f"and {count:,} more of this kind", count=count, rest=True
+        of.severity, of.code, "and {count:,} more of this kind", count=count, rest=True
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom.measure import segments_of
 from wedmcam.geom.segments import (
     distances,
@@ -21,7 +21,6 @@ from wedmcam.geom.segments import (
 )
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Program
-from wedmcam.transforms.doubles import place
 
 #: A joint may tear by this much when its segments are offset, um.
 TORN_UM = 1.0
@@ -51,29 +50,32 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
             if len(found) >= LISTED:
                 more += 1
                 continue
-            x, y = float(s.x1[k]), float(s.y1[k])
+            corner = Place.of_um(s.x1[k], s.y1[k])
             found.append(
                 error(
                     "not-tangent",
-                    f"the outline has a corner of {float(np.degrees(angle[k])):.3f} degrees at "
-                    f"{place(x, y)} mm; the controller's compensation takes tangent joints only",
+                    "the outline has a corner of {angle_deg:.3f} degrees at {corner}; the "
+                    "controller's compensation takes tangent joints only",
                     c.source_of(k),
-                    points_mm=((x / 1e3, y / 1e3),),
-                    hint=f"round the corners (--corner), or --to {instead}",
+                    points_mm=(corner,),
+                    hint="round the corners (--corner), or --to {instead}",
+                    angle_deg=float(np.degrees(angle[k])),
+                    corner=corner,
+                    instead=instead,
                 )
             )
     if more:
-        found.append(error("not-tangent", f"{more} further corners", count=more))
+        found.append(error("not-tangent", "{count} further corners", count=more))
     return found
 
 
-def gaps(plan: Plan) -> list[tuple[float, str]]:
+def gaps(plan: Plan) -> list[tuple[float, Place]]:
     """Return the offsets of the cuts, um, each with a place where one has it."""
-    found: dict[float, str] = {}
+    places: dict[float, Place] = {}
     for cut in plan.cuts:
         v = cut.path.vertices
-        found.setdefault(cut.offset_um, f"{place(float(v['x'][0]), float(v['y'][0]))} mm")
-    return sorted(found.items())
+        places.setdefault(cut.offset_um, Place.of_um(v["x"][0], v["y"][0]))
+    return sorted(places.items())
 
 
 def grown(plan: Plan, program: Program) -> NDArray[np.int8]:

@@ -20,7 +20,7 @@ from dataclasses import astuple, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import LISTED, Diagnostic, EntityRef, Span, error
+from wedmcam.diag import LISTED, Diagnostic, EntityRef, Place, Span, error
 from wedmcam.geom.measure import segment_areas
 from wedmcam.geom.segments import Floats, Ints, boxes, make
 from wedmcam.ir.contour import VERTEX, Contour
@@ -29,8 +29,6 @@ from wedmcam.transforms.doubles import (
     columns,
     forward,
     is_circle,
-    mm,
-    place,
     steady,
     without_copies,
     without_nothing,
@@ -279,34 +277,39 @@ def _branch_findings(
     """Return one error for each place in ``bad``, up to `LISTED`."""
     found = []
     for v in bad[:LISTED].tolist():
-        x, y = float(joints.x[v]), float(joints.y[v])
+        where = Place.of_um(joints.x[v], joints.y[v])
         rows = at[first[v] : first[v] + degree[v]] // 2
         meet = Counter(joints.rows["source"][rows].tolist())
         known = [k for k in sorted(meet) if 0 <= k < len(sources)]
         closing = [k for k in known if _closing(joints, sources, k) in rows]
-        why = "so the contour branches" if degree[v] % 2 else "in more than one way"
-        hint = "remove what is not to be cut, or put it on a layer of its own"
-        if closing:
-            names = ", ".join(_name(sources[k]) for k in closing)
-            why += f"; one of them is the closing segment of {names}, whose closed flag is set"
-            hint = f"clear the closed flag of {names} if it is to end there; else {hint}"
         notes = []
         for k in known:
             what = f"{meet[k]} segments of this meet there" if meet[k] > 1 else "this meets there"
             notes.append((what + (", one of them closes it" if k in closing else ""), sources[k]))
-        found.append(
-            error(
-                "branch",
-                f"{degree[v]} segments meet at {place(x, y)}, {why}",
-                sources[known[0]] if known else None,
-                notes=tuple(notes),
-                hint=hint,
-                points_mm=((x / 1e3, y / 1e3),),
-            )
+        branch = error(
+            "branch",
+            "{segments} segments meet at {place:xy}, so the contour branches"
+            if degree[v] % 2
+            else "{segments} segments meet at {place:xy}, in more than one way",
+            sources[known[0]] if known else None,
+            notes=tuple(notes),
+            hint="clear the closed flag of {polylines} if it is to end there; else remove what is "
+            "not to be cut, or put it on a layer of its own"
+            if closing
+            else "remove what is not to be cut, or put it on a layer of its own",
+            points_mm=(where,),
+            segments=int(degree[v]),
+            place=where,
+            polylines=[_name(sources[k]) for k in closing],
         )
+        if closing:
+            branch = branch.extended(
+                "; one of them is the closing segment of {polylines}, whose closed flag is set"
+            )
+        found.append(branch)
     if len(bad) > LISTED:
         more = len(bad) - LISTED
-        found.append(error("branch", f"segments branch at {more} further places", count=more))
+        found.append(error("branch", "segments branch at {count} further places", count=more))
     return tuple(found)
 
 
@@ -449,8 +452,9 @@ class _End:
     contour: int
     span: Span | None
 
-    def __str__(self) -> str:
-        return place(self.x, self.y)
+    @property
+    def place(self) -> Place:
+        return Place.of_um(self.x, self.y)
 
 
 def open_contour_findings(
@@ -481,31 +485,36 @@ def open_contour_findings(
         if piece is not None and min(d for _, d in nearest) > PROPOSED_UM:
             found.append(_loose_piece(piece, first, last))
             continue
-        hint = None
-        if join_um < needed <= PROPOSED_UM:
-            hint = f"--join {_up(needed):.3f} would close the gap"
-        elif needed <= join_um:
-            hint = "the ends lie within --join, but the segment between them is shorter than that"
         notes = []
         for end, (other, d) in zip((first, last), nearest, strict=True):
             if d < math.inf and loose[other].contour != end.contour:
-                text = f"the loose end nearest to {end} is at {loose[other]}, {mm(d)} mm away"
-                notes.append((text, loose[other].span))
-        notes.append((f"the other end is at {last}", last.span))
+                near = loose[other]
+                text = f"the loose end nearest to {end.place:xy} is at {near.place:xy}, "
+                notes.append((f"{text}{d / 1e3:.3f} mm away", near.span))
+        notes.append((f"the other end is at {last.place:xy}", last.span))
         found.append(
             error(
                 "open-contour",
-                f"open contour: its ends {first} and {last} are {mm(gap)} mm apart; "
-                f"gaps up to {mm(join_um)} mm are closed",
+                "open contour: its ends {first:xy} and {last:xy} are {gap_mm:.3f} mm apart; "
+                "gaps up to {join_mm:.3f} mm are closed",
                 first.span,
                 notes=tuple(notes),
-                hint=hint,
-                points_mm=((first.x / 1e3, first.y / 1e3), (last.x / 1e3, last.y / 1e3)),
+                hint="--join {needed_mm:.3f} would close the gap"
+                if join_um < needed <= PROPOSED_UM
+                else "the ends lie within --join, but the segment between them is shorter than that"
+                if needed <= join_um
+                else None,
+                points_mm=(first.place, last.place),
+                first=first.place,
+                last=last.place,
+                gap_mm=gap / 1e3,
+                join_mm=join_um / 1e3,
+                needed_mm=_up(needed) if needed < math.inf else None,
             )
         )
     if len(ends) > LISTED:
         more = len(ends) - LISTED
-        found.append(error("open-contour", f"{more} further contours are open", count=more))
+        found.append(error("open-contour", "{count} further contours are open", count=more))
     return with_linetypes(found)
 
 
@@ -534,15 +543,20 @@ def _piece(c: Contour) -> _Piece | None:
 
 def _loose_piece(piece: _Piece, first: _End, last: _End) -> Diagnostic:
     """Return the error about a piece that is far from every other loose end."""
-    text = f"a loose {piece.what} of {mm(piece.length)} mm at {first}"
-    if piece.length > PROPOSED_UM:
-        text = f"a loose {piece.what} of {mm(piece.length)} mm from {first} to {last}"
     return error(
         "open-contour",
-        f"{text}: it belongs to no contour, and no --join can close it",
+        "a loose {piece} of {length_mm:.3f} mm from {first:xy} to {last:xy}: it belongs to no "
+        "contour, and no --join can close it"
+        if piece.length > PROPOSED_UM
+        else "a loose {piece} of {length_mm:.3f} mm at {first:xy}: it belongs to no contour, and "
+        "no --join can close it",
         first.span,
         hint="delete it, or leave it out by its layer, type, line type or colour",
-        points_mm=((first.x / 1e3, first.y / 1e3), (last.x / 1e3, last.y / 1e3)),
+        points_mm=(first.place, last.place),
+        piece=piece.what,
+        length_mm=piece.length / 1e3,
+        first=first.place,
+        last=last.place,
     )
 
 

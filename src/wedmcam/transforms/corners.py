@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom import formulas
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints, Segments
@@ -155,12 +155,15 @@ def _off(s: Segments, shift: Floats, x: Floats, y: Floats) -> Floats:
 def _too_large(
     contour: Contour, s: Segments, i: int, radius: float, origin: tuple[float, float]
 ) -> Diagnostic:
-    x, y = ((float(v[i]) + o) / 1000 for v, o in zip((s.x1, s.y1), origin, strict=True))
+    corner = Place.of_um(s.x1[i] + origin[0], s.y1[i] + origin[1])
     return error(
         "corner-too-large",
-        f"the corner at ({x:.3f}, {y:.3f}) mm cannot be rounded with {radius / 1000:.3f} mm: its "
-        f"neighbours are too short ({s.length[i] / 1000:.3f} mm)",
+        "the corner at {corner} cannot be rounded with {radius_mm:.3f} mm: its neighbours are too "
+        "short ({length_mm:.3f} mm)",
         contour.source_of(i),
-        points_mm=((x, y),),
+        points_mm=(corner,),
         hint="a smaller --corner",
+        corner=corner,
+        radius_mm=radius / 1000,
+        length_mm=float(s.length[i]) / 1000,
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, note, warning
+from wedmcam.diag import Diagnostic, Place, Span, note, warning
 from wedmcam.geom.measure import middles
 from wedmcam.geom.pairs import self_overlapping
 from wedmcam.geom.segments import Floats, Segments, make
@@ -99,14 +99,18 @@ def without_nothing(
 def zero_length(rows: Rows, sources: tuple[Span, ...]) -> Diagnostic:
     """Return the note about ``rows``, which were dropped."""
     first = rows[np.lexsort((rows["y0"], rows["x0"]))[0]]
-    what = "a piece" if len(rows) == 1 else f"{len(rows)} pieces"
-    at = place(float(first["x0"]), float(first["y0"]))
+    at = Place.of_um(first["x0"], first["y0"])
     return note(
         "zero-length",
-        f"{what} without length (under {NOISE_UM:.3f} um) dropped, the first at {at}",
+        "a piece without length (under {least_um:.3f} um) dropped, the first at {first:xy}"
+        if len(rows) == 1
+        else "{count} pieces without length (under {least_um:.3f} um) dropped, the first at "
+        "{first:xy}",
         span_of(first, sources),
-        points_mm=((float(first["x0"]) / 1e3, float(first["y0"]) / 1e3),),
+        points_mm=(at,),
         count=len(rows),
+        least_um=NOISE_UM,
+        first=at,
     )
 
 
@@ -148,15 +152,20 @@ def without_copies(
     keep = np.ones(len(rows), np.bool_)
     keep[gone] = False
     first = ahead[gone[np.lexsort((ahead["y0"][gone], ahead["x0"][gone]))[0]]]
-    at = place(float(first["x0"]), float(first["y0"]))
+    at = Place.of_um(first["x0"], first["y0"])
     slits = _slits(rows, gone, original)
-    what = "1 segment is" if len(gone) == 1 else f"{len(gone)} segments are"
     found = note(
         "duplicate",
-        f"{what} drawn twice (within {mm(SAME_UM)} mm); the copies are left out, the first at {at}",
+        "1 segment is drawn twice (within {within_mm:.3f} mm); the copies are left out, the first "
+        "at {first:xy}"
+        if len(gone) == 1
+        else "{count} segments are drawn twice (within {within_mm:.3f} mm); the copies are left "
+        "out, the first at {first:xy}",
         span_of(first, sources),
-        points_mm=((float(first["x0"]) / 1e3, float(first["y0"]) / 1e3),),
+        points_mm=(at,),
         count=len(gone),
+        within_mm=SAME_UM / 1e3,
+        first=at,
     )
     return rows[keep], len(gone), (found, *_slit_findings(ahead, slits, sources))
 
@@ -179,17 +188,21 @@ def _slit_findings(
     if not slits:
         return ()
     first = ahead[slits[0]]
-    x, y = float(first["x0"]), float(first["y0"])
-    many = "two sides" if len(slits) == 1 else f"{len(slits)} pairs of sides"
+    at = Place.of_um(first["x0"], first["y0"])
     return (
         warning(
             "duplicate",
-            f"{many} of one entity lie within {mm(SAME_UM)} mm of each other, at {place(x, y)}: "
-            "a slit; one of the two is left out",
+            "two sides of one entity lie within {within_mm:.3f} mm of each other, at {first:xy}: "
+            "a slit; one of the two is left out"
+            if len(slits) == 1
+            else "{count} pairs of sides of one entity lie within {within_mm:.3f} mm of each "
+            "other, at {first:xy}: a slit; one of the two is left out",
             span_of(first, sources),
             hint="draw it as one line, or wider than the wire",
-            points_mm=((x / 1e3, y / 1e3),),
+            points_mm=(at,),
             count=len(slits),
+            within_mm=SAME_UM / 1e3,
+            first=at,
         ),
     )
 

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, EntityRef, error
+from wedmcam.diag import Diagnostic, EntityRef, Place, error
 from wedmcam.geom import crossings, measure
 from wedmcam.geom import segments as seg
 from wedmcam.geom.pairs import grown, overlapping, self_overlapping
@@ -78,27 +78,31 @@ def held(
         one = _Group(bounds.take(mine), source[mine], places.x[there], places.y[there])
         why = asked.why(one, 2.0 * offset_um)
         if why is not None:
-            kind, text = why
+            kind, contour = why
             far = ~drawn[there]
             k = int(there[np.argmax(far)])
-            at = (float(places.x[k]) / 1000, float(places.y[k]) / 1000)
+            at = Place.of_um(places.x[k], places.y[k])
             named = unread.sources[int(of[k])]
             more = len(set(source[mine].tolist())) - 1
             found.setdefault((named.dxftype, kind), []).append(
-                _Held(named, one.box, more, text, at, not far.all())
+                _Held(named, one.box, more, kind, contour, at, not far.all())
             )
     return tuple(_said(some) for some in found.values())
 
 
 @dataclass(frozen=True, slots=True)
 class _Held:
-    """An unread boundary that could be an outline, and why; ``at``: where nothing draws it, mm."""
+    """An unread boundary that could be an outline, and why.
+
+    ``kind`` and ``contour``: see `_Contours.why`; ``at``: where nothing draws it.
+    """
 
     ref: EntityRef
     box: tuple[float, float, float, float]
     more: int
-    why: str
-    at: tuple[float, float]
+    kind: str
+    contour: Place | None
+    at: Place
     partly: bool
 
 
@@ -106,34 +110,59 @@ def _said(some: list[_Held]) -> Diagnostic:
     """Return one finding about boundaries of one type that are refused for one reason."""
     first = some[0]
     ref, (x0, y0, x1, y1) = first.ref, first.box
-    touching = f" (with {first.more} more that touch it)" if first.more else ""
-    drawn = "is drawn by nothing that is read"
+    finding = error(
+        "unsupported-entity",
+        "{type} {handle} on layer {layer} (with {touching} more that touch it)"
+        if first.more
+        else "{type} {handle} on layer {layer}",
+        ref,
+        hint="draw it as lines or a polyline; if it bounds nothing, leave it out with "
+        "--ignore-type {quoted_type}, or its layer with --ignore-layer",
+        points_mm=tuple(h.at for h in some[:100]),
+        count=len(some),
+        type=ref.dxftype,
+        quoted_type=_quoted(ref.dxftype),
+        handle=_handle(ref),
+        layer=ref.layer,
+        touching=first.more,
+        width_mm=(x1 - x0) / 1000,
+        height_mm=(y1 - y0) / 1000,
+        place=Place.of_um(x0, y0),
+        contour=first.contour,
+    )
+    finding = finding.extended(", {width_mm:.3f} x {height_mm:.3f} mm at {place:xy}: its boundary ")
     if first.partly:
-        drawn = f"is not drawn by what is read at {_place(*first.at)}"
-    text = (
-        f"{ref.dxftype} {_handle(ref)} on layer {ref.layer}{touching}, {(x1 - x0) / 1000:.3f} x "
-        f"{(y1 - y0) / 1000:.3f} mm at {_place(x0 / 1000, y0 / 1000)}: its boundary {drawn}, "
-        f"and {first.why}"
+        finding = finding.extended("is not drawn by what is read at {bare:xy}", bare=first.at)
+    else:
+        finding = finding.extended("is drawn by nothing that is read")
+    if first.kind == "alone":
+        finding = finding.extended(", and no contour is closed")
+    else:
+        finding = finding.extended(
+            ", and it lies around the contour at {contour:xy}"
+            if first.kind == "around"
+            else ", and it lies across the contour at {contour:xy}"
+            if first.kind == "across"
+            else ", and it lies in the contour at {contour:xy}"
+        )
+    more = len(some) - 1
+    if not more:
+        return finding
+    named = [_handle(h.ref) for h in some[1 : NAMED + 1]]
+    finding = finding.extended(
+        "; likewise at least {likewise} more ({named}"
+        if len(some) >= MOST_SAID
+        else "; likewise {likewise} more ({named}",
+        likewise=more,
+        named=named,
     )
-    if len(some) > 1:
-        named = ", ".join(_handle(h.ref) for h in some[1 : NAMED + 1])
-        left = f" and {len(some) - 1 - NAMED} more" if len(some) - 1 > NAMED else ""
-        least = "at least " if len(some) >= MOST_SAID else ""
-        text += f"; likewise {least}{len(some) - 1} more ({named}{left})"
-    hint = (
-        "draw it as lines or a polyline; if it bounds nothing, leave it out with "
-        f"--ignore-type {_quoted(ref.dxftype)}, or its layer with --ignore-layer"
-    )
-    points = tuple(h.at for h in some[:100])
-    return error("unsupported-entity", text, ref, hint=hint, points_mm=points, count=len(some))
+    if more > NAMED:
+        return finding.extended(" and {unnamed} more)", unnamed=more - NAMED)
+    return finding.extended(")")
 
 
 def _handle(ref: EntityRef) -> str:
     return "#" + "/".join((*ref.via, ref.handle))
-
-
-def _place(x_mm: float, y_mm: float) -> str:
-    return f"({x_mm + 0.0:.3f}, {y_mm + 0.0:.3f})"
 
 
 def _quoted(name: str) -> str:
@@ -326,12 +355,14 @@ class _Contours:
         self._none_closed = not any(c.closed for c in contours)
         self._known: dict[int, tuple[_Side | None, Floats, Floats]] = {}
 
-    def why(self, one: _Group, wide: float) -> tuple[str, str] | None:
-        """Return why a boundary could be an outline: the kind of reason, and its words.
+    def why(self, one: _Group, wide: float) -> tuple[str, Place | None] | None:
+        """Return why a boundary could be an outline; None where it is none.
+
+        It lies "around", "across" or "in" the contour at a place, or "alone": none is closed.
 
         ``wide``: what is in a contour and no wider, um, is no hole that could be cut.
         """
-        reason: tuple[str, str] | None = None
+        reason: tuple[str, Place | None] | None = None
         x0, y0, x1, y1 = one.box
         b, near = self._boxes, self._within
         met = (b[:, 0] <= x1) & (b[:, 2] >= x0) & (b[:, 1] <= y1) & (b[:, 3] >= y0)
@@ -343,16 +374,15 @@ class _Contours:
             side, x, y = self._contour(k)
             lies_in, lies_out = one.side(x, y, near)
             if lies_in and not lies_out:
-                return "around", f"it lies around the contour at {self._corner(k)}"
+                return "around", self._corner(k)
             if side is None or reason is not None or not one.is_wider(wide + NEAR_UM):
                 continue
             if not lies_in:
                 lies_in, lies_out = side(*_thinned(one.x, one.y), near)
             if lies_in:
-                word = "across" if lies_out else "in"
-                reason = word, f"it lies {word} the contour at {self._corner(k)}"
+                reason = "across" if lies_out else "in", self._corner(k)
         if reason is None and self._none_closed:
-            reason = "alone", "no contour is closed"
+            reason = "alone", None
         return reason
 
     def _contour(self, k: int) -> tuple[_Side | None, Floats, Floats]:
@@ -365,8 +395,8 @@ class _Contours:
             self._known[k] = (_Side(s) if contour.closed else None, *_thinned(x, y))
         return self._known[k]
 
-    def _corner(self, k: int) -> str:
-        return _place(self._boxes[k, 0] / 1000, self._boxes[k, 1] / 1000)
+    def _corner(self, k: int) -> Place:
+        return Place.of_um(self._boxes[k, 0], self._boxes[k, 1])
 
 
 def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -7,7 +7,6 @@ type of its own, it is most likely no outline, and the way to leave it out is kn
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from wedmcam.diag import Diagnostic, EntityRef
 
@@ -30,10 +29,12 @@ def _hinted(d: Diagnostic) -> Diagnostic:
     if not names:
         return d
     options = " ".join(f"--ignore-linetype {quoted(name)}" for name in names)
-    more = (
-        f"; {options} leaves that line type out" if d.hint_template else f"{options} leaves it out"
+    return d.extended(
+        hint="; {leave_out} leaves that line type out"
+        if d.hint_template
+        else "{leave_out} leaves it out",
+        leave_out=options,
     )
-    return replace(d, hint_template=(d.hint_template or "") + more)
 
 
 def quoted(name: str) -> str:

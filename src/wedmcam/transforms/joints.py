@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error, note
+from wedmcam.diag import Diagnostic, Place, Span, error, note
 from wedmcam.geom.pairs import self_overlapping
 from wedmcam.geom.segments import Floats, Ints, Segments
-from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of
+from wedmcam.transforms.doubles import NOISE_UM, columns, span_of
 
 Rows = NDArray[np.void]
 
@@ -156,21 +156,23 @@ def _close_gaps(
     if not gaps:
         return [], ()
     few = len(gaps) - len(listed)
-    what = "1 gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
-    text = f"{what} between ends closed"
-    text += f", the largest {mm(max(gaps))} mm" if listed else ""
-    text += f"; {few} of them under {mm(LISTED_UM)} mm" if few else ""
-    places = sorted((float(px[a]), float(py[a]), gap, a) for gap, a in listed)
+    places = sorted((Place.of_um(px[a], py[a]), gap, a) for gap, a in listed)
     found = note(
         "join",
-        text,
+        "1 gap between ends closed" if len(gaps) == 1 else "{count} gaps between ends closed",
         notes=tuple(
-            (f"{mm(gap)} mm at {place(u, v)}", span_of(rows[edge[a]], sources))
-            for u, v, gap, a in places
+            (f"{gap / 1e3:.3f} mm at {at:xy}", span_of(rows[edge[a]], sources))
+            for at, gap, a in places
         ),
-        points_mm=tuple((u / 1e3, v / 1e3) for u, v, _, _ in places),
+        points_mm=tuple(at for at, _, _ in places),
         count=len(gaps),
     )
+    if listed:
+        found = found.extended(", the largest {largest_mm:.3f} mm", largest_mm=max(gaps) / 1e3)
+    if few:
+        found = found.extended(
+            "; {few} of them under {least_mm:.3f} mm", few=few, least_mm=LISTED_UM / 1e3
+        )
     return gaps, (found,)
 
 
@@ -194,15 +196,18 @@ def _moved(
     out["cx"][arc], out["cy"][arc] = cx, cy
     found = []
     for k in np.flatnonzero(belly > BELLY * join_um).tolist():
-        x, y = float(out["x0"][arc[k]]), float(out["y0"][arc[k]])
+        start = Place.of_um(out["x0"][arc[k]], out["y0"][arc[k]])
         found.append(
             error(
                 "join-moves-arc",
-                f"closing a gap of {mm(2 * shift[arc[k]])} mm at the arc that starts at "
-                f"{place(x, y)} would move the arc by {mm(belly[k])} mm",
+                "closing a gap of {gap_mm:.3f} mm at the arc that starts at {start:xy} would move "
+                "the arc by {moved_mm:.3f} mm",
                 span_of(rows[arc[k]], sources),
                 hint="draw the arc to its end, or join less with --join",
-                points_mm=((x / 1e3, y / 1e3),),
+                points_mm=(start,),
+                gap_mm=2 * float(shift[arc[k]]) / 1e3,
+                start=start,
+                moved_mm=float(belly[k]) / 1e3,
             )
         )
     return out, float(belly.max()), tuple(found)

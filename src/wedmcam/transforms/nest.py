@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom import measure
 from wedmcam.geom.pairs import overlapping_parts
 from wedmcam.geom.segments import Floats, distances, points_at
@@ -116,9 +116,17 @@ def too_many(contours: Sequence[Contour]) -> tuple[Diagnostic, ...]:
         ("open", len(contours) - closed, MOST_OPEN),
     ):
         if count > most:
-            text = f"the drawing has {count:,} {kind} contours; no more than {most:,} are compiled"
-            hint = "leave out what is not to be cut: --layer, --ignore-layer"
-            return (error("too-large", text, contours[0].source_of(0), hint=hint, count=count),)
+            return (
+                error(
+                    "too-large",
+                    "the drawing has {count:,} {kind} contours; no more than {most:,} are compiled",
+                    contours[0].source_of(0),
+                    hint="leave out what is not to be cut: --layer, --ignore-layer",
+                    count=count,
+                    kind=kind,
+                    most=most,
+                ),
+            )
     return ()
 
 
@@ -128,10 +136,17 @@ def too_deep(nesting: Nesting) -> tuple[Diagnostic, ...]:
     if depth <= DEEPEST:
         return ()
     inner = nesting.contours[nesting.depths.index(depth)]
-    text = f"{depth:,} contours lie in each other; no more than {DEEPEST} are compiled"
-    hint = "a cut needs its contours once: a hatching or a pattern is to be left out"
-    x, y = float(inner.vertices["x"][0]) / 1000, float(inner.vertices["y"][0]) / 1000
-    return (error("too-large", text, inner.source_of(0), hint=hint, points_mm=((x, y),)),)
+    return (
+        error(
+            "too-large",
+            "{contours:,} contours lie in each other; no more than {most} are compiled",
+            inner.source_of(0),
+            hint="a cut needs its contours once: a hatching or a pattern is to be left out",
+            points_mm=(Place.of_um(inner.vertices["x"][0], inner.vertices["y"][0]),),
+            contours=depth,
+            most=DEEPEST,
+        ),
+    )
 
 
 def _probes(contours: Sequence[Contour]) -> Floats:

@@ -13,11 +13,11 @@ from collections.abc import Sequence, Set
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity, error, warning
+from wedmcam.diag import Diagnostic, Place, Severity, error, warning
 from wedmcam.geom import measure, thickness
 from wedmcam.geom.segments import Ints, points_at
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.doubles import NOISE_UM, mm, place, steady
+from wedmcam.transforms.doubles import NOISE_UM, steady
 from wedmcam.transforms.walls import LISTED, TOUCH_UM, WALL_UM
 
 #: No wire cuts what is smaller than this, um: the finest ones, of 0.02 mm, take it with their gap.
@@ -54,18 +54,29 @@ def specks(
         small[k] = size < limit[k] - NOISE_UM
         if not small[k]:
             continue
-        x, y = 0.5 * (box[k, 0] + box[k, 2]), 0.5 * (box[k, 1] + box[k, 3])
-        than = "anything a wire cuts" if size < SPECK_UM else f"its own cut, {mm(limit[k])} mm wide"
+        centre = Place.of_um(0.5 * (box[k, 0] + box[k, 2]), 0.5 * (box[k, 1] + box[k, 3]))
         found.append(
             warning(
                 "speck",
-                f"the contour at {place(x, y)} mm is {_thick(size)} large, smaller than {than}",
+                "the contour at {place} is {size_mm:.4g} mm ({size_um:.4g} um) large, smaller than "
+                "anything a wire cuts"
+                if size < SPECK_UM
+                else "the contour at {place} is {size_mm:.4g} mm ({size_um:.4g} um) large, smaller "
+                "than its own cut, {cut_mm:.3f} mm wide",
                 contours[k].source_of(0),
                 hint="delete it, if it is not meant",
-                points_mm=((x / 1e3, y / 1e3),),
+                points_mm=(centre,),
+                place=centre,
+                size_mm=size / 1000,
+                size_um=size,
+                cut_mm=float(limit[k]) / 1000,
             )
         )
-    return _listed(found, "speck", "contours as small as these"), small.tolist()
+    if len(found) > LISTED:
+        more = len(found) - LISTED
+        summary = warning("speck", "{count} further contours as small as these", count=more)
+        found = [*found[:LISTED], summary]
+    return found, small.tolist()
 
 
 def _across(contour: Contour) -> float:
@@ -127,25 +138,39 @@ def thin_walls(
         ca, cb = contours[owner[a]], contours[owner[b]]
         spans = ca.source_of(a - int(first[owner[a]])), cb.source_of(b - int(first[owner[b]]))
         spans = tuple(sorted(spans, key=str))
-        x, y = float(w.x[k]), float(w.y[k])
-        between = "two contours" if ca is not cb else "two stretches of one contour"
-        left = f", of which the clearance takes {mm(lost[k])} mm" if lost[k] else ""
-        hint = f"below --thin-wall ({mm(below_um)} mm) a wall seldom stands: draw it thicker"
-        if none[k]:
-            hint = f"nothing that can be proven (below {mm(WALL_UM)} mm) is left of it"
-        say = error if none[k] else warning
-        found.append(
-            say(
-                "thin-wall",
-                f"the wall between {between} is {_thick(float(w.size[k]))} thick at "
-                f"{place(x, y)} mm{left}",
-                spans[0],
-                notes=(("its other side", spans[1]),),
-                hint=hint,
-                points_mm=((x / 1e3, y / 1e3),),
-            )
+        middle = Place.of_um(w.x[k], w.y[k])
+        make = error if none[k] else warning
+        wall = make(
+            "thin-wall",
+            "the wall between two contours is {size_mm:.4g} mm ({size_um:.4g} um) thick at {place}"
+            if ca is not cb
+            else "the wall between two stretches of one contour is {size_mm:.4g} mm "
+            "({size_um:.4g} um) thick at {place}",
+            spans[0],
+            notes=(("its other side", spans[1]),),
+            hint="nothing that can be proven (below {least_mm:.3f} mm) is left of it"
+            if none[k]
+            else "below --thin-wall ({least_mm:.3f} mm) a wall seldom stands: draw it thicker",
+            points_mm=(middle,),
+            place=middle,
+            size_mm=float(w.size[k]) / 1000,
+            size_um=float(w.size[k]),
+            least_mm=(WALL_UM if none[k] else below_um) / 1000,
         )
-    return _listed(found, "thin-wall", "walls as thin as these")
+        if lost[k]:
+            wall = wall.extended(
+                ", of which the clearance takes {clearance_mm:.3f} mm",
+                clearance_mm=float(lost[k]) / 1000,
+            )
+        found.append(wall)
+    if len(found) <= LISTED:
+        return found
+    make = error if any(d.severity is Severity.ERROR for d in found[LISTED:]) else warning
+    more = len(found) - LISTED
+    return [
+        *found[:LISTED],
+        make("thin-wall", "{count} further walls as thin as these", count=more),
+    ]
 
 
 def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints, near_um: float) -> Ints:
@@ -188,16 +213,3 @@ def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints, near_um:
         far[k] = np.hypot(w.x[of] - w.x[best[k]], w.y[of] - w.y[best[k]]).min() > near_um
     best = best[far]
     return best[np.lexsort((steady(w.x[best]), steady(w.y[best])))]
-
-
-def _thick(um: float) -> str:
-    return f"{um / 1000:.4g} mm ({um:.4g} um)"
-
-
-def _listed(found: list[Diagnostic], code: str, what: str) -> list[Diagnostic]:
-    """Return the first findings, and one for the rest."""
-    if len(found) <= LISTED:
-        return found
-    more = len(found) - LISTED
-    say = error if any(d.severity is Severity.ERROR for d in found[LISTED:]) else warning
-    return [*found[:LISTED], say(code, f"{more} further {what}", count=more)]

@@ -12,12 +12,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Severity, error, warning
+from wedmcam.diag import Diagnostic, Place, Severity, error, warning
 from wedmcam.geom import measure, pairs
 from wedmcam.geom.gaps import Gaps, beside, gaps
 from wedmcam.geom.segments import Floats, Ints, Segments, boxes
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.doubles import mm, place, steady
+from wedmcam.transforms.doubles import steady
 
 #: Kept material thinner than this is no wall, um: the path is proven within 2 um on either side.
 WALL_UM = 4.0
@@ -92,8 +92,8 @@ def thin(
     listed = [f[2] for f in found[:LISTED]]
     if len(found) > LISTED:
         more = len(found) - LISTED
-        say = error if any(f[2].severity is Severity.ERROR for f in found[LISTED:]) else warning
-        listed.append(say("thin-wall", f"{more} further pairs of contours like these", count=more))
+        make = error if any(f[2].severity is Severity.ERROR for f in found[LISTED:]) else warning
+        listed.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
     return listed, said
 
 
@@ -139,40 +139,49 @@ def _finding(
     a: Contour, b: Contour, wall: bool, share: float, size: float, at: tuple[float, float]
 ) -> Diagnostic:
     """Return what is to be said of two contours with a gap of ``size`` um at a place, um."""
-    x, y = at
+    place = Place.of_um(*at)
     spans = sorted((a.source_of(0), b.source_of(0)), key=str)
-    what = f"the contours with low corners at {_corner(a)} and {_corner(b)} mm"
-    thick = f"{size / 1000:.4f} mm ({size:.1f} um)"
-    code, text, hint = (
-        (
-            "drawn-twice",
-            f"{what} run {thick} apart, nearest at {place(x, y)} mm: the outline seems drawn twice"
-            + (f" (a wall below {mm(WALL_UM)} mm cannot be proven)" if wall else ""),
-            "remove one of the two",
-        )
-        if share >= MOST
-        else (
-            "thin-wall",
-            f"the wall between {what} is {thick} thick at {place(x, y)} mm",
-            f"below {mm(WALL_UM)} mm it cannot be proven that a wall is left: draw it thicker",
-        )
+    twice = share >= MOST
+    make = error if wall else warning
+    finding = make(
+        "drawn-twice" if twice else "thin-wall",
+        "the contours with low corners at {one:xy} and {other} run {size_mm:.4f} mm "
+        "({size_um:.1f} um) apart, nearest at {place}: the outline seems drawn twice"
+        if twice
+        else "the wall between the contours with low corners at {one:xy} and {other} is "
+        "{size_mm:.4f} mm ({size_um:.1f} um) thick at {place}",
+        spans[0],
+        notes=(("the other one", spans[1]),),
+        hint="remove one of the two"
+        if twice
+        else "below {least_mm:.3f} mm it cannot be proven that a wall is left: draw it thicker",
+        points_mm=(place,),
+        one=_corner(a),
+        other=_corner(b),
+        size_mm=size / 1000,
+        size_um=size,
+        place=place,
+        least_mm=WALL_UM / 1000,
     )
-    say = error if wall else warning
-    notes = (("the other one", spans[1]),)
-    return say(code, text, spans[0], notes=notes, hint=hint, points_mm=((x / 1e3, y / 1e3),))
+    if twice and wall:
+        finding = finding.extended(" (a wall below {least_mm:.3f} mm cannot be proven)")
+    return finding
 
 
 def _touching(a: Contour, b: Contour, g: Gaps, k: int) -> tuple[float, float, Diagnostic]:
     """Return (y, x, warning) for contours that come as near as rounding makes those that touch."""
     x, y = float(g.x[k]), float(g.y[k])
+    place = Place.of_um(x, y)
     spans = sorted((a.source_of(0), b.source_of(0)), key=str)
     finding = warning(
         "contours-touch",
-        f"two contours touch at {place(x, y)} mm but for {float(g.size[k]):.2g} um; nothing is "
-        "left of the material there",
+        "two contours touch at {place} but for {apart_um:.2g} um; nothing is left of the material "
+        "there",
         spans[0],
         notes=(("it touches this", spans[1]),),
-        points_mm=((x / 1e3, y / 1e3),),
+        points_mm=(place,),
+        place=place,
+        apart_um=float(g.size[k]),
     )
     return y, x, finding
 
@@ -184,6 +193,6 @@ def _keeps(contour: Contour, inside: bool | None, x: float, y: float) -> bool:
     return bool(measure.contains(contour.vertices, np.array([x]), np.array([y]))[0]) == inside
 
 
-def _corner(contour: Contour) -> str:
+def _corner(contour: Contour) -> Place:
     """Return the low corner of a contour, which names it in a message before cuts have numbers."""
-    return place(*measure.extents(contour.vertices, contour.closed)[:2])
+    return Place.of_um(*measure.extents(contour.vertices, contour.closed)[:2])

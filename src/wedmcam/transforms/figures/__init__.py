@@ -118,14 +118,23 @@ def _numbers(copies: int) -> range:
 def _limits(figure: Figure, copies: int, most: int) -> list[Diagnostic]:
     """Return an error for too many copies (the parser has said it with its place)."""
     if not (isinstance(copies, int) and 0 <= copies <= most):
-        return [error("wed-value", f"copies are a whole number up to {most}, not {copies}")]
+        return [
+            error(
+                "wed-value",
+                "copies are a whole number up to {most}, not {copies}",
+                most=most,
+                copies=copies,
+            )
+        ]
     total = (copies + 1) * sum(len(c) for c in figure)
     if total > MOST_SEGMENTS:
         return [
             error(
                 "too-large",
-                f"{copies} copies make {total} segments; {MOST_SEGMENTS} are taken for a typing "
-                "error",
+                "{copies} copies make {segments} segments; {most} are taken for a typing error",
+                copies=copies,
+                segments=total,
+                most=MOST_SEGMENTS,
             )
         ]
     return []

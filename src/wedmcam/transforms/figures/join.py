@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Span, note, warning
+from wedmcam.diag import Diagnostic, Place, Span, note, warning
 from wedmcam.geom.measure import extents, length, middles
 from wedmcam.geom.segments import Floats, of_rows
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.doubles import NOISE_UM, SAME_UM, place
+from wedmcam.transforms.doubles import NOISE_UM, SAME_UM
 from wedmcam.transforms.joints import near_pairs
 
 #: Ends of chains this near to each other join, um (part language: within 1 um).
@@ -44,13 +44,14 @@ def join_chains(
     other, crowded = _partners(contours, opened)
     found: list[Diagnostic] = []
     if crowded:
-        text = f"more than two ends of chains meet at {', '.join(place(*p) for p in crowded)} mm"
+        places = tuple(Place.of_um(x, y) for x, y in crowded)
         found.append(
             warning(
                 "figure-branch",
-                f"{text}; nothing is joined there",
-                points_mm=tuple((x / 1e3, y / 1e3) for x, y in crowded),
+                "more than two ends of chains meet at {places}; nothing is joined there",
+                points_mm=places,
                 hint="draw what is copied so that each end meets one other end",
+                places=places,
             )
         )
     used: set[int] = set()
@@ -204,17 +205,32 @@ def _meet(a: np.ndarray, b: np.ndarray) -> None:
 def _said(joined: list[_Joined]) -> Diagnostic:
     rings = [j for j in joined if j.contour.closed]
     chains = len(joined) - len(rings)
-    became = [f"{len(rings)} closed contour{'s' * (len(rings) > 1)}"] if rings else []
-    became += [f"{chains} open chain{'s' * (chains > 1)}"] if chains else []
-    text = f"{sum(j.pieces for j in joined)} chains became {' and '.join(became)}"
-    text += f"; the largest gap was {max(j.gap_um for j in joined):.3f} um"
+    said = note(
+        "figure-join",
+        "{pieces} chains became ",
+        count=len(joined),
+        pieces=sum(j.pieces for j in joined),
+        closed=len(rings),
+        open=chains,
+        gap_um=max(j.gap_um for j in joined),
+    )
     if rings:
-        worst = max(rings, key=lambda j: j.defect_um)
-        text += (
-            f", the largest closing defect {worst.defect_um:.3f} um, "
-            f"spread over {worst.pieces} joint{'s' * (worst.pieces > 1)}"
-        )
-    return note("figure-join", text, count=len(joined))
+        said = said.extended("1 closed contour" if len(rings) == 1 else "{closed} closed contours")
+    if rings and chains:
+        said = said.extended(" and ")
+    if chains:
+        said = said.extended("1 open chain" if chains == 1 else "{open} open chains")
+    said = said.extended("; the largest gap was {gap_um:.3f} um")
+    if not rings:
+        return said
+    worst = max(rings, key=lambda j: j.defect_um)
+    return said.extended(
+        ", the largest closing defect {defect_um:.3f} um, spread over 1 joint"
+        if worst.pieces == 1
+        else ", the largest closing defect {defect_um:.3f} um, spread over {joints} joints",
+        defect_um=worst.defect_um,
+        joints=worst.pieces,
+    )
 
 
 def without_repeats(
@@ -239,15 +255,20 @@ def without_repeats(
     if not gone:
         return tuple(contours), ()
     at = contours[min(gone)].vertices
-    spot = (float(at["x"][0]), float(at["y"][0]))
-    many = "1 image lies" if len(gone) == 1 else f"{len(gone)} images lie"
+    first = Place.of_um(at["x"][0], at["y"][0])
     found = warning(
         "duplicate",
-        f"{what}: {many} on what is there already (within 0.001 mm) and "
-        f"{'is' if len(gone) == 1 else 'are'} left out, the first at {place(*spot)}",
+        "{transform}: 1 image lies on what is there already (within {within_mm:.3f} mm) and is "
+        "left out, the first at {first:xy}"
+        if len(gone) == 1
+        else "{transform}: {count} images lie on what is there already (within {within_mm:.3f} mm) "
+        "and are left out, the first at {first:xy}",
         contours[min(gone)].source_of(0),
-        points_mm=((spot[0] / 1e3, spot[1] / 1e3),),
+        points_mm=(first,),
         count=len(gone),
+        transform=what,
+        within_mm=SAME_UM / 1e3,
+        first=first,
     )
     return tuple(c for k, c in enumerate(contours) if k not in gone), (found,)
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic, error, note, warning
+from wedmcam.diag import Diagnostic, Place, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Plan
@@ -73,6 +73,10 @@ class Rules:
     def per_mm(self) -> float:
         """How many steps go to a mm."""
         return 1000.0 / self.step_um
+
+    def place(self, x: float, y: float) -> Place:
+        """Return a place that is given in steps."""
+        return Place(float(x) / self.per_mm, float(y) / self.per_mm)
 
 
 @dataclass(slots=True)
@@ -162,11 +166,10 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
         found.append(
             error(
                 "cannot-lower",
-                f"an arc near ({s.x[s.v0[k]] / rules.per_mm:.3f}, "
-                f"{s.y[s.v0[k]] / rules.per_mm:.3f}) mm has no "
-                "stepped image within the budget of deviation",
+                "an arc near {place} has no stepped image within the budget of deviation",
                 course.sources[s.source[k]] if s.source[k] >= 0 else None,
                 hint="please report the drawing",
+                place=rules.place(s.x[s.v0[k]], s.y[s.v0[k]]),
             )
         )
         return None, found
@@ -174,7 +177,9 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
         found.append(
             note(
                 "blocks-split",
-                f"{splits} arcs were split so that the path stays within {2 * rules.step_um:g} um",
+                "{arcs} arcs were split so that the path stays within {within_um:g} um",
+                arcs=splits,
+                within_um=2 * rules.step_um,
             )
         )
     short = _short_marks(s, course, plan, rules)
@@ -196,16 +201,22 @@ def _short_marks(s: _State, course: Course, plan: Plan, rules: Rules) -> list[Di
             continue
         cut, per = plan.cuts[index], rules.per_mm
         length = cut.stop_um if name == "stop" else cut.overcut_um
-        at = f"({x / per:.3f}, {y / per:.3f}) mm"
+        end = rules.place(x, y)
         found.append(
             error(
                 f"{name}-too-short",
-                f"the {name} of {length / per:.3f} mm of cut {index + 1} is lost on the grid of "
-                f"the machine's steps: {at}, where it ends, is also where the cut "
-                + ("does, or its thread point" if name == "stop" else "closes"),
+                "the stop of {length_mm:.3f} mm of cut {cut} is lost on the grid of the machine's "
+                "steps: {end}, where it ends, is also where the cut does, or its thread point"
+                if name == "stop"
+                else "the overcut of {length_mm:.3f} mm of cut {cut} is lost on the grid of the "
+                "machine's steps: {end}, where it ends, is also where the cut closes",
                 cut.path.source_of(0),
-                hint=f"a longer --{name}, or none",
-                points_mm=((x / per, y / per),),
+                hint="a longer --{option}, or none",
+                points_mm=(end,),
+                option=name,
+                length_mm=length / per,
+                cut=index + 1,
+                end=end,
             )
         )
     return found
@@ -306,10 +317,13 @@ def _chords_over_limit(s: _State, course: Course, rules: Rules) -> list[Diagnost
         found.append(
             warning(
                 "radius-over-limit",
-                f"an arc of radius {s.radius[k] / rules.per_mm:.3f} mm is over the format's limit "
-                f"of {rules.arc_um / rules.per_mm:.3f} mm: cut as {n} chords within "
-                f"{CHORD_SAG_UM * rules.step_um:g} um",
+                "an arc of radius {radius_mm:.3f} mm is over the format's limit of {most_mm:.3f} "
+                "mm: cut as {chords} chords within {within_um:g} um",
                 course.sources[s.source[k]] if s.source[k] >= 0 else None,
+                radius_mm=float(s.radius[k]) / rules.per_mm,
+                most_mm=rules.arc_um / rules.per_mm,
+                chords=n,
+                within_um=CHORD_SAG_UM * rules.step_um,
             )
         )
     first = len(s.x)
@@ -551,7 +565,8 @@ def _blocks(
         found.append(
             note(
                 "specks-dropped",
-                f"{int(specks.sum())} segments begin and end on one micron: no block of their own",
+                "{segments} segments begin and end on one micron: no block of their own",
+                segments=int(specks.sum()),
             )
         )
     blocks = np.zeros(len(a), BLOCK)
@@ -578,11 +593,18 @@ def _blocks(
                 found.append(
                     error(
                         "move-too-long",
-                        f"the move from ({here[0] / per:.3f}, {here[1] / per:.3f}) to the thread "
-                        f"point ({cut.thread[0] / per:.3f}, {cut.thread[1] / per:.3f}) mm is "
-                        f"longer than one block of {rules.move_um / per:.3f} mm",
+                        "the move from {here:xy} to the thread point {thread} is longer than one "
+                        "block of {most_mm:.3f} mm",
                         cut.path.source_of(0),
-                        hint=moves.cure(plan, rules.move_um),
+                        hint="another --order may help; --to iso --profile iso-mm moves with G00, "
+                        "of any length"
+                        if moves.order_may_help(plan, rules.move_um)
+                        else "no --order helps: some contours are farther than a block from all "
+                        "that may be cut before and after them; --to iso --profile iso-mm moves "
+                        "with G00, of any length, or a program for each group (--cuts)",
+                        here=rules.place(*here),
+                        thread=rules.place(*cut.thread),
+                        most_mm=rules.move_um / per,
                     )
                 )
             if mx or my:

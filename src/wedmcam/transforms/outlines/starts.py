@@ -52,12 +52,14 @@ def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
         PlannedPath(c.path, c.outline or c.path, None, c.offset_um, k) for k, c in enumerate(moved)
     ]
     threaded = [Threaded(c.path, c.thread) for c in moved]
-    found = leads.collisions(
-        paths,
-        threaded,
-        "such a controller starts beside a corner, not in it: put the thread point (or 'enter') "
-        f"{FROM_CORNER_UM / 1000:g} mm from it, or give another one",
-    )
+    found = [
+        d.extended(
+            hint="such a controller starts beside a corner, not in it: put the thread point (or "
+            "'enter') {apart_mm:g} mm from it, or give another one",
+            apart_mm=FROM_CORNER_UM / 1000,
+        )
+        for d in leads.collisions(paths, threaded)
+    ]
     return (None if found else replace(plan, cuts=tuple(moved))), found
 
 

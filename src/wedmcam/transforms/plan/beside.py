@@ -11,12 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom import crossings, measure, pairs
 from wedmcam.geom.gaps import gaps
 from wedmcam.geom.segments import Segments, boxes
 from wedmcam.ir.plan import Cut, Scene
-from wedmcam.transforms.doubles import mm, place
 
 #: How much nearer than its radius the wire may be, um: roundings of the path, and of the proof.
 ROOM_UM = 0.5
@@ -68,12 +67,15 @@ def _crossing(
 
 def _enters(cut: Cut, scene: Scene, outline: int, x: float, y: float, um: float) -> Diagnostic:
     other = scene.outlines[outline].source_of(0)
+    place = Place.of_um(x, y)
     return error(
         "interference",
-        f"the wire beside this contour enters what is kept of another one by {mm(um)} mm at "
-        f"{place(x, y)} mm",
+        "the wire beside this contour enters what is kept of another one by {depth_mm:.3f} mm at "
+        "{place}",
         cut.path.source_of(0),
         notes=(("the other one", other),),
-        points_mm=((x / 1e3, y / 1e3),),
+        points_mm=(place,),
         hint="draw them farther apart, or compile each layer by itself (--layer)",
+        depth_mm=um / 1e3,
+        place=place,
     )

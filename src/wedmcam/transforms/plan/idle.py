@@ -47,8 +47,6 @@ _OF_PATH = (
     ("stop_um", "--stop"),
     ("overcut_um", "--overcut"),
 )
-#: Why a direction that was stated is not that of the wire.
-NEARER_END = "an open contour is run from the end that is nearer to its thread point"
 
 
 @dataclass(slots=True)
@@ -68,10 +66,21 @@ def of_source(part: Part, options: Options) -> list[Diagnostic]:
     found = []
     for name, word, instead in _OF_DRAWINGS:
         if options.wished(name):
-            found.append(warning("wed-option", f"{word} has no effect: {instead}"))
+            found.append(
+                warning(
+                    "wed-option", "{option} has no effect: {reason}", option=word, reason=instead
+                )
+            )
     if options.wished("units") and options.units not in (None, part.units):
-        text = f"--units {options.units} has no effect: the part program is in {part.units}"
-        found.append(warning("wed-option", text, hint="units stand in its first line"))
+        found.append(
+            warning(
+                "wed-option",
+                "--units {units} has no effect: the part program is in {own_units}",
+                hint="units stand in its first line",
+                units=options.units,
+                own_units=part.units,
+            )
+        )
     return found
 
 
@@ -92,6 +101,14 @@ def of_path(used: Set[str], options: Options, words: Wording) -> list[Diagnostic
             given = [w for w in ("wire", "gap") if f"{w}_um" in (options.wishes or ())]
             if name == "offset_um" and given:
                 word = " and ".join(f"--{w}" for w in given)
-            has = "have" if " and " in word else "has"
-            found.append(warning(words.idle, f"{word} {has} no effect: {why}"))
+            found.append(
+                warning(
+                    words.idle,
+                    "{option} have no effect: {reason}"
+                    if " and " in word
+                    else "{option} has no effect: {reason}",
+                    option=word,
+                    reason=why,
+                )
+            )
     return found

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import LISTED, Diagnostic, error
+from wedmcam.diag import LISTED, Diagnostic, Place, error
 from wedmcam.geom import crossings, measure, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
@@ -86,32 +86,40 @@ def lead(
     for k, point in enumerate(threads):
         if len(found) >= LISTED:
             more = len(threads) - k
-            text = f"{more:,} further thread points were not looked at"
-            found.append(error("thread-point-unused", text, count=more))
+            found.append(
+                error(
+                    "thread-point-unused",
+                    "{count:,} further thread points were not looked at",
+                    count=more,
+                )
+            )
             break
         x, y = (int(v) for v in to_grid([point.x, point.y]))
-        place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
+        place = Place.of_um(x, y)
         number, problem = _serves(scene, x, y, only[k])
         if number is None:
             found.append(
                 error(
                     "thread-point-unused",
-                    f"the thread point at {place} serves no contour: {problem}",
+                    "the thread point at {thread} serves no contour: {reason}",
                     point.span,
                     hint="put it on the scrap side of the contour that it is for, or remove it",
-                    points_mm=((x / 1000, y / 1000),),
+                    points_mm=(place,),
+                    thread=place,
+                    reason=problem,
                 )
             )
         elif number in served:
-            ox, oy = served[number]
             found.append(
                 error(
                     "thread-point-twice",
-                    f"the thread point at {place} is a second one for the contour already served "
-                    f"from ({ox / 1000:.3f}, {oy / 1000:.3f}) mm",
+                    "the thread point at {thread} is a second one for the contour already served "
+                    "from {first}",
                     point.span,
                     hint="remove one of the two",
-                    points_mm=((x / 1000, y / 1000),),
+                    points_mm=(place,),
+                    thread=place,
+                    first=Place.of_um(*served[number]),
                 )
             )
         else:
@@ -121,14 +129,14 @@ def lead(
         return None, found
     free = [k for k in range(len(paths)) if k not in served]
     result, along = _chosen(scene, free, lead_um)
-    cures = [_cure(planned, words, k in served) for k, planned in enumerate(paths)]
-    found += [_along_wall(paths[k], result[k], cures[k]) for k in along]
+    problems = [(k, _along_wall(paths[k], result[k])) for k in along]
     for number, thread in served.items():
         planned = paths[number]
         arrives = thread if planned.enter is None else (planned.enter.x, planned.enter.y)
         result[number] = Threaded(_started(planned.path, arrives), thread, stated=stated[number])
     ordered = [result[k] for k in range(len(paths))]
-    return ordered, found + _collisions(scene, ordered, cures)
+    problems += _collisions(scene, ordered)
+    return ordered, [_cured(d, paths[k], words, k in served) for k, d in problems]
 
 
 class _Scene:
@@ -425,25 +433,33 @@ def _cleared(
     return lengths, ~near
 
 
-def _along_wall(planned: PlannedPath, threaded: Threaded, cure: str) -> Diagnostic:
-    x, y = (float(threaded.path.vertices[k][0]) / 1000 for k in ("x", "y"))
+def _along_wall(planned: PlannedPath, threaded: Threaded) -> Diagnostic:
+    end = Place.of_um(*(threaded.path.vertices[k][0] for k in ("x", "y")))
     return error(
         "lead-along-wall",
-        f"a lead that ends at ({x:.3f}, {y:.3f}) mm can only lie along a wall, which it would "
-        "damage: the corner is too acute to be entered from inside",
+        "a lead that ends at {end} can only lie along a wall, which it would damage: the corner is "
+        "too acute to be entered from inside",
         threaded.path.source_of(0) if planned.enter is None else planned.enter.span,
-        points_mm=((x, y),),
-        hint=cure,
+        points_mm=(end,),
+        end=end,
     )
 
 
-def _cure(planned: PlannedPath, words: str, threaded: bool) -> str:
-    """Return what helps a lead: to move what was stated of it, or to state where it is threaded."""
+def _cured(finding: Diagnostic, planned: PlannedPath, words: str, threaded: bool) -> Diagnostic:
+    """Return a finding about a lead with what helps.
+
+    That is to move what was stated of it, or to state where it is threaded.
+    """
     if threaded and planned.enter is not None:
-        return "move the thread point, or 'enter'"
-    first = "move the thread point, or " if threaded else ""
-    first = first if planned.enter is None else "move 'enter', or "
-    return f"{first}give a thread point ({words})"
+        return finding.extended(hint="move the thread point, or 'enter'")
+    return finding.extended(
+        hint="move 'enter', or give a thread point ({way})"
+        if planned.enter is not None
+        else "move the thread point, or give a thread point ({way})"
+        if threaded
+        else "give a thread point ({way})",
+        way=words,
+    )
 
 
 def _length(planned: PlannedPath, usual: float) -> float:
@@ -501,15 +517,16 @@ def _lines(x0: Floats, y0: Floats, x1: Floats, y1: Floats) -> Segments:
     return seg.make(x0, y0, x1, y1, zero, zero, np.zeros(len(x0), np.int8))
 
 
-def collisions(
-    paths: Sequence[PlannedPath], threaded: Sequence[Threaded], cure: str
-) -> list[Diagnostic]:
-    """Return an error for each lead that meets a path before it arrives; paths are those led to."""
-    return _collisions(_Scene(paths), threaded, [cure] * len(threaded))
+def collisions(paths: Sequence[PlannedPath], threaded: Sequence[Threaded]) -> list[Diagnostic]:
+    """Return an error for each lead that meets a path before it arrives; paths are those led to.
+
+    Who asks adds the hint: what helps depends on who put the leads there.
+    """
+    return [finding for _, finding in _collisions(_Scene(paths), threaded)]
 
 
 def across(
-    threaded: Sequence[Threaded], outlines: Sequence[int], plates: Sequence[int], cure: str
+    threaded: Sequence[Threaded], outlines: Sequence[int], plates: Sequence[int], words: str
 ) -> list[Diagnostic]:
     """Return an error for each lead that meets the path of another cut, of whatever part.
 
@@ -520,7 +537,7 @@ def across(
         threaded: paths with their leads.
         outlines: a number for each, shared by the cuts of one outline.
         plates: for each, of which plate it is.
-        cure: what to do about a lead that meets another cut.
+        words: how a thread point is given, for hints.
     """
     paths = [PlannedPath(one.path, one.path, None, 0.0) for one in threaded]
     found: list[Diagnostic] = []
@@ -528,17 +545,19 @@ def across(
         mine = [k for k, p in enumerate(plates) if p == plate]
         numbers = np.array([outlines[k] for k in mine])
         scene = _Scene([paths[k] for k in mine])
-        found += _collisions(scene, [threaded[k] for k in mine], [cure] * len(mine), numbers)
+        found += [
+            d.extended(hint="{way}", way=words)
+            for _, d in _collisions(scene, [threaded[k] for k in mine], numbers)
+        ]
     return found
 
 
 def _collisions(
     scene: _Scene,
     threaded: Sequence[Threaded],
-    cures: Sequence[str],
     outlines: Ints | None = None,
-) -> list[Diagnostic]:
-    """Return an error, with its cure, for each lead that meets a path before it arrives.
+) -> list[tuple[int, Diagnostic]]:
+    """Return an error for each lead that meets a path before it arrives, with the number of both.
 
     ``outlines``: a number for each, shared by the cuts of one outline, that others may have too.
     """
@@ -558,17 +577,20 @@ def _collisions(
         share = float(at[k] / lines.length[number])
         x0, y0, x1, y1 = (float(getattr(lines, n)[number]) for n in ("x0", "y0", "x1", "y1"))
         hx, hy = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
-        what = "its own path before it arrives" if path[k] == number else "another cut"
+        met = Place.of_um(hx, hy)
         enter = scene.paths[number].enter
         own = threaded[number].stated
         stated = (own and own.span) or (None if enter is None else enter.span)
         finding = error(
             "lead-hits",
-            f"the lead from ({x0 / 1000:.3f}, {y0 / 1000:.3f}) to ({x1 / 1000:.3f}, "
-            f"{y1 / 1000:.3f}) mm meets {what} at ({hx / 1000:.3f}, {hy / 1000:.3f}) mm",
+            "the lead from {thread:xy} to {end} meets its own path before it arrives at {place}"
+            if path[k] == number
+            else "the lead from {thread:xy} to {end} meets another cut at {place}",
             stated or threaded[number].path.source_of(0),
-            points_mm=((hx / 1000, hy / 1000),),
-            hint=cures[number],
+            points_mm=(met,),
+            thread=Place.of_um(x0, y0),
+            end=Place.of_um(x1, y1),
+            place=met,
         )
         found.append((number, finding))
-    return [finding for _, finding in found]
+    return found

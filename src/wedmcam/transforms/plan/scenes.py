@@ -13,13 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error, has_errors
+from wedmcam.diag import Diagnostic, Place, error, has_errors
 from wedmcam.geom import measure
 from wedmcam.geom.segments import distances
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Scene, Side
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.transforms.doubles import place
 from wedmcam.transforms.meetings import contour_meetings
 from wedmcam.transforms.nest import Nesting, nest
 from wedmcam.transforms.plan.pieces import Piece
@@ -214,15 +213,18 @@ def _one_scene(
         return [PieceScene(tuple(pieces), nesting, keeps)], []
     inside = _inside_kept(pieces, nesting)
     one, other = pieces[0].contour, pieces[inside.index(not inside[0])].contour
-    at, there = ((float(c.vertices["x"][0]), float(c.vertices["y"][0])) for c in (one, other))
+    first, second = (Place.of_um(c.vertices["x"][0], c.vertices["y"][0]) for c in (one, other))
     return [], [
         error(
             "closed-left-right",
-            f"the closed contour at {place(*there)} mm keeps what the one at {place(*at)} mm of "
-            f"the same cut takes away: both are cut {word}",
+            "the closed contour at {second} keeps what the one at {first} of the same cut takes "
+            "away: both are cut {side}",
             other.source_of(0),
-            points_mm=((there[0] / 1000, there[1] / 1000),),
+            points_mm=(second,),
             hint="'inside' and 'outside' keep one of the two, whatever way the contours run",
+            first=first,
+            second=second,
+            side=word,
         )
     ]
 

@@ -32,6 +32,8 @@ class Severity(enum.IntEnum):
 class Place(NamedTuple):
     """A place in the drawing, mm, as a value of a finding.
 
+    ``{place:xy}`` leaves the unit out, where another place follows that has it.
+
     >>> f"it starts at {Place.of_um(1000.0, -0.1)}"
     'it starts at (1.000, 0.000) mm'
     """

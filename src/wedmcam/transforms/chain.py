@@ -288,9 +288,9 @@ def _branch_findings(
             notes.append((what + (", one of them closes it" if k in closing else ""), sources[k]))
         branch = error(
             "branch",
-            "{segments} segments meet at {place:xy}, so the contour branches"
+            "{segments} segments meet at {place}, so the contour branches"
             if degree[v] % 2
-            else "{segments} segments meet at {place:xy}, in more than one way",
+            else "{segments} segments meet at {place}, in more than one way",
             sources[known[0]] if known else None,
             notes=tuple(notes),
             hint="clear the closed flag of {polylines} if it is to end there; else remove what is "
@@ -489,13 +489,13 @@ def open_contour_findings(
         for end, (other, d) in zip((first, last), nearest, strict=True):
             if d < math.inf and loose[other].contour != end.contour:
                 near = loose[other]
-                text = f"the loose end nearest to {end.place:xy} is at {near.place:xy}, "
+                text = f"the loose end nearest to {end.place:xy} is at {near.place}, "
                 notes.append((f"{text}{d / 1e3:.3f} mm away", near.span))
-        notes.append((f"the other end is at {last.place:xy}", last.span))
+        notes.append((f"the other end is at {last.place}", last.span))
         found.append(
             error(
                 "open-contour",
-                "open contour: its ends {first:xy} and {last:xy} are {gap_mm:.3f} mm apart; "
+                "open contour: its ends {first:xy} and {last} are {gap_mm:.3f} mm apart; "
                 "gaps up to {join_mm:.3f} mm are closed",
                 first.span,
                 notes=tuple(notes),
@@ -545,10 +545,10 @@ def _loose_piece(piece: _Piece, first: _End, last: _End) -> Diagnostic:
     """Return the error about a piece that is far from every other loose end."""
     return error(
         "open-contour",
-        "a loose {piece} of {length_mm:.3f} mm from {first:xy} to {last:xy}: it belongs to no "
+        "a loose {piece} of {length_mm:.3f} mm from {first:xy} to {last}: it belongs to no "
         "contour, and no --join can close it"
         if piece.length > PROPOSED_UM
-        else "a loose {piece} of {length_mm:.3f} mm at {first:xy}: it belongs to no contour, and "
+        else "a loose {piece} of {length_mm:.3f} mm at {first}: it belongs to no contour, and "
         "no --join can close it",
         first.span,
         hint="delete it, or leave it out by its layer, type, line type or colour",

@@ -26,20 +26,6 @@ SAME_UM = 1.0
 SAME_SHARE = 0.1
 
 
-def mm(um: float) -> str:
-    """Return a length or coordinate in mm for a message; never ``-0.000``.
-
-    >>> mm(-0.2), mm(12500.0)
-    ('0.000', '12.500')
-    """
-    return f"{round(um / 1e3, 3) + 0.0:.3f}"
-
-
-def place(x: float, y: float) -> str:
-    """Return a place, um, in mm for a message."""
-    return f"({mm(x)}, {mm(y)})"
-
-
 def steady(um: Floats) -> Floats:
     """Return keys to sort lengths by, without the digits that are float noise.
 
@@ -102,10 +88,10 @@ def zero_length(rows: Rows, sources: tuple[Span, ...]) -> Diagnostic:
     at = Place.of_um(first["x0"], first["y0"])
     return note(
         "zero-length",
-        "a piece without length (under {least_um:.3f} um) dropped, the first at {first:xy}"
+        "a piece without length (under {least_um:.3f} um) dropped, the first at {first}"
         if len(rows) == 1
         else "{count} pieces without length (under {least_um:.3f} um) dropped, the first at "
-        "{first:xy}",
+        "{first}",
         span_of(first, sources),
         points_mm=(at,),
         count=len(rows),
@@ -157,10 +143,10 @@ def without_copies(
     found = note(
         "duplicate",
         "1 segment is drawn twice (within {within_mm:.3f} mm); the copies are left out, the first "
-        "at {first:xy}"
+        "at {first}"
         if len(gone) == 1
         else "{count} segments are drawn twice (within {within_mm:.3f} mm); the copies are left "
-        "out, the first at {first:xy}",
+        "out, the first at {first}",
         span_of(first, sources),
         points_mm=(at,),
         count=len(gone),
@@ -192,11 +178,11 @@ def _slit_findings(
     return (
         warning(
             "duplicate",
-            "two sides of one entity lie within {within_mm:.3f} mm of each other, at {first:xy}: "
+            "two sides of one entity lie within {within_mm:.3f} mm of each other, at {first}: "
             "a slit; one of the two is left out"
             if len(slits) == 1
             else "{count} pairs of sides of one entity lie within {within_mm:.3f} mm of each "
-            "other, at {first:xy}: a slit; one of the two is left out",
+            "other, at {first}: a slit; one of the two is left out",
             span_of(first, sources),
             hint="draw it as one line, or wider than the wire",
             points_mm=(at,),

@@ -130,20 +130,20 @@ def _said(some: list[_Held]) -> Diagnostic:
         place=Place.of_um(x0, y0),
         contour=first.contour,
     )
-    finding = finding.extended(", {width_mm:.3f} x {height_mm:.3f} mm at {place:xy}: its boundary ")
+    finding = finding.extended(", {width_mm:.3f} x {height_mm:.3f} mm at {place}: its boundary ")
     if first.partly:
-        finding = finding.extended("is not drawn by what is read at {bare:xy}", bare=first.at)
+        finding = finding.extended("is not drawn by what is read at {bare}", bare=first.at)
     else:
         finding = finding.extended("is drawn by nothing that is read")
     if first.kind == "alone":
         finding = finding.extended(", and no contour is closed")
     else:
         finding = finding.extended(
-            ", and it lies around the contour at {contour:xy}"
+            ", and it lies around the contour at {contour}"
             if first.kind == "around"
-            else ", and it lies across the contour at {contour:xy}"
+            else ", and it lies across the contour at {contour}"
             if first.kind == "across"
-            else ", and it lies in the contour at {contour:xy}"
+            else ", and it lies in the contour at {contour}"
         )
     more = len(some) - 1
     if not more:

@@ -161,7 +161,7 @@ def _close_gaps(
         "join",
         "1 gap between ends closed" if len(gaps) == 1 else "{count} gaps between ends closed",
         notes=tuple(
-            (f"{gap / 1e3:.3f} mm at {at:xy}", span_of(rows[edge[a]], sources))
+            (f"{gap / 1e3:.3f} mm at {at}", span_of(rows[edge[a]], sources))
             for at, gap, a in places
         ),
         points_mm=tuple(at for at, _, _ in places),
@@ -200,7 +200,7 @@ def _moved(
         found.append(
             error(
                 "join-moves-arc",
-                "closing a gap of {gap_mm:.3f} mm at the arc that starts at {start:xy} would move "
+                "closing a gap of {gap_mm:.3f} mm at the arc that starts at {start} would move "
                 "the arc by {moved_mm:.3f} mm",
                 span_of(rows[arc[k]], sources),
                 hint="draw the arc to its end, or join less with --join",

@@ -405,7 +405,7 @@ def _overlaps(
         found.append(
             error(
                 "overlap",
-                "two segments run on top of each other for {length_mm:.3f} mm at {place:xy}",
+                "two segments run on top of each other for {length_mm:.3f} mm at {place}",
                 first,
                 notes=(("the other one", second),),
                 hint="remove one of them, or what both have in common",
@@ -520,9 +520,7 @@ def _crossings(
         first, second = _two(placed, sources, int(hits.i[group[0]]), int(hits.j[group[0]]))
         crossing = error(
             "self-crossing" if a == b else "crossing-contours",
-            "a contour crosses itself at {place:xy}"
-            if a == b
-            else "two contours cross at {place:xy}",
+            "a contour crosses itself at {place}" if a == b else "two contours cross at {place}",
             first,
             notes=(("it meets this", second),),
             hint="redraw it there"
@@ -575,9 +573,9 @@ def _touches(
         found.append(
             warning(
                 "contours-touch",
-                "a contour touches itself at {place:xy}; nothing is left of the material there"
+                "a contour touches itself at {place}; nothing is left of the material there"
                 if a == b
-                else "two contours touch at {place:xy}; nothing is left of the material there",
+                else "two contours touch at {place}; nothing is left of the material there",
                 first,
                 notes=(("it touches this", second),),
                 points_mm=((x, y),),

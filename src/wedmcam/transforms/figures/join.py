@@ -259,10 +259,10 @@ def without_repeats(
     found = warning(
         "duplicate",
         "{transform}: 1 image lies on what is there already (within {within_mm:.3f} mm) and is "
-        "left out, the first at {first:xy}"
+        "left out, the first at {first}"
         if len(gone) == 1
         else "{transform}: {count} images lie on what is there already (within {within_mm:.3f} mm) "
-        "and are left out, the first at {first:xy}",
+        "and are left out, the first at {first}",
         contours[min(gone)].source_of(0),
         points_mm=(first,),
         count=len(gone),

@@ -546,7 +546,7 @@ def across(
         numbers = np.array([outlines[k] for k in mine])
         scene = _Scene([paths[k] for k in mine])
         found += [
-            d.extended(hint="{way}", way=words)
+            d.extended(hint="give a thread point ({way})", way=words)
             for _, d in _collisions(scene, [threaded[k] for k in mine], numbers)
         ]
     return found

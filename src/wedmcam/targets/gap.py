@@ -23,15 +23,15 @@ from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Program
 
 #: A joint may tear by this much when its segments are offset, um.
-TORN_UM = 1.0
+TANGENT_GAP_UM = 1.0
 #: Joints that are listed one by one.
-LISTED = 10
+LISTED_CORNERS = 10
 
 
 def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
     """Return an error for each joint of a cut outline that is not tangent.
 
-    A joint at an angle a tears by offset times a; up to `TORN_UM` is taken for tangent.
+    A joint at an angle a tears by offset times a; up to `TANGENT_GAP_UM` is taken for tangent.
     """
     found: list[Diagnostic] = []
     more = 0
@@ -46,8 +46,8 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
         angle = np.abs(np.arctan2(ex * by - ey * bx, ex * bx + ey * by))
         if not c.closed:
             angle = angle[:-1]
-        for k in np.flatnonzero(angle * cut.offset_um > TORN_UM).tolist():
-            if len(found) >= LISTED:
+        for k in np.flatnonzero(angle * cut.offset_um > TANGENT_GAP_UM).tolist():
+            if len(found) >= LISTED_CORNERS:
                 more += 1
                 continue
             corner = Place.of_um(s.x1[k], s.y1[k])

@@ -20,8 +20,6 @@ from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.shifted import Shifted
 
-#: A turn below this is a tangent joint: 1 um over 1 mm (radians).
-TANGENT = 1e-3
 #: A centre farther than this from where it belongs is none: 8 digits of 10 m are 1 um.
 MISS_UM = 1.0
 
@@ -58,7 +56,7 @@ def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, li
     bend = s.turn / np.where(s.turn != 0, s.radius, 1.0)
     back = (dot < 0) & (np.abs(cross) < 1e-6)
     cross = np.where(back, -(bend + bend[nxt]), cross)
-    sharp = (np.abs(np.arctan2(cross, dot)) > TANGENT) | back
+    sharp = (np.abs(np.arctan2(cross, dot)) > seg.TANGENT) | back
     if not contour.closed:
         sharp[-1] = False
     i = np.flatnonzero(sharp)

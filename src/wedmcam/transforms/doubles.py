@@ -21,9 +21,9 @@ Rows = NDArray[np.void]
 #: float noise may put two ends that were drawn as one.
 NOISE_UM = 1e-3
 #: Two segments are the same where start, middle and end agree within this, um: one grid step ...
-SAME_UM = 1.0
+COPY_UM = 1.0
 #: ... and within this share of their length, so that short neighbours stay two.
-SAME_SHARE = 0.1
+COPY_SHARE = 0.1
 
 
 def steady(um: Floats) -> Floats:
@@ -150,7 +150,7 @@ def without_copies(
         span_of(first, sources),
         points_mm=(at,),
         count=len(gone),
-        within_mm=SAME_UM / 1e3,
+        within_mm=COPY_UM / 1e3,
         first=at,
     )
     return rows[keep], len(gone), (found, *_slit_findings(ahead, slits, sources))
@@ -187,7 +187,7 @@ def _slit_findings(
             hint="draw it as one line, or wider than the wire",
             points_mm=(at,),
             count=len(slits),
-            within_mm=SAME_UM / 1e3,
+            within_mm=COPY_UM / 1e3,
             first=at,
         ),
     )
@@ -197,7 +197,7 @@ def _near_copies(ahead: Rows, kept: NDArray[np.int64], original: dict[int, int])
     """Add to ``original`` the rows of ``kept`` (by rank) that nearly repeat an earlier one."""
     s = columns(ahead[kept])
     mx, my = middles(s)
-    tol = np.minimum(SAME_UM, SAME_SHARE * s.length)
+    tol = np.minimum(COPY_UM, COPY_SHARE * s.length)
     i, j = self_overlapping((mx - tol / 2, my - tol / 2, mx + tol / 2, my + tol / 2))
     if not len(i):
         return

@@ -28,7 +28,7 @@ CORNER = 0.1
 #: ...and has so many texts in it; anywhere else so many.
 TEXTS_IN_CORNER, TEXTS = 1, 3
 #: So many layers are named.
-NAMED = 4
+NAMED_LAYERS = 4
 #: So many frames are listed.
 FRAMES = 10
 #: So many places are marked.
@@ -135,8 +135,8 @@ def _by_layers(nesting: Nesting, those: Sequence[int]) -> tuple[str, str]:
     own = _layers([nesting.contours[k] for k in those])
     rest = _layers([c for k, c in enumerate(nesting.contours) if k not in drop])
     if own and rest and not set(own) & set(rest):
-        leave = " ".join(f"--ignore-layer {quote(name)}" for name in own[:NAMED])
-        take = " ".join(f"--layer {quote(name)}" for name in rest[:NAMED])
+        leave = " ".join(f"--ignore-layer {quote(name)}" for name in own[:NAMED_LAYERS])
+        take = " ".join(f"--layer {quote(name)}" for name in rest[:NAMED_LAYERS])
         return leave, take
     return "", ""
 

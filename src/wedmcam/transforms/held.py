@@ -29,9 +29,9 @@ Bools = NDArray[np.bool_]
 #: Boundaries are compared at places at most this far apart, um, but no more than so many a segment.
 SPACING_UM, LEAST_PLACES, MOST_PLACES = 1000.0, 5, 256
 #: Float noise of coordinates of a part, um.
-NEAR_UM = 0.01
+FLOAT_UM = 0.01
 #: How many places of a contour or a boundary are asked on which side of another they lie.
-PROBES = 64
+MOST_PROBES = 64
 #: Directions in which a hull is looked for.
 DIRECTIONS = 180
 #: How many points and segments are compared at once: some 40 MB.
@@ -41,7 +41,7 @@ SOME_PAIRS = 200_000
 #: After so many of one type refused for one reason the rest is not looked at.
 MOST_SAID = 100
 #: How many handles a finding names.
-NAMED = 5
+NAMED_HANDLES = 5
 
 
 def held(
@@ -58,7 +58,7 @@ def held(
     unread = sketch.unread
     if not len(unread.segments):
         return ()
-    within = join_um + unread.within_um + sketch.info.extra.get("spline_um", 0.0) + NEAR_UM
+    within = join_um + unread.within_um + sketch.info.extra.get("spline_um", 0.0) + FLOAT_UM
     bounds = _segments_of(unread.segments)
     source = unread.segments["source"].astype(np.int64)
     places = _places(bounds)
@@ -148,7 +148,7 @@ def _said(some: list[_Held]) -> Diagnostic:
     more = len(some) - 1
     if not more:
         return finding
-    named = [_handle(h.ref) for h in some[1 : NAMED + 1]]
+    named = [_handle(h.ref) for h in some[1 : NAMED_HANDLES + 1]]
     finding = finding.extended(
         "; likewise at least {likewise} more ({named}"
         if len(some) >= MOST_SAID
@@ -156,8 +156,8 @@ def _said(some: list[_Held]) -> Diagnostic:
         likewise=more,
         named=named,
     )
-    if more > NAMED:
-        return finding.extended(" and {unnamed} more)", unnamed=more - NAMED)
+    if more > NAMED_HANDLES:
+        return finding.extended(" and {unnamed} more)", unnamed=more - NAMED_HANDLES)
     return finding.extended(")")
 
 
@@ -287,10 +287,10 @@ class _Group:
 def _is_loop(s: Segments) -> bool:
     """Return whether segments make one closed loop: every end meets another, and all connect."""
     x, y = np.concatenate([s.x0, s.x1]), np.concatenate([s.y0, s.y1])
-    if len(x) <= PROBES:
-        i, j = np.nonzero(np.triu(np.hypot(x - x[:, None], y - y[:, None]) <= NEAR_UM, 1))
+    if len(x) <= MOST_PROBES:
+        i, j = np.nonzero(np.triu(np.hypot(x - x[:, None], y - y[:, None]) <= FLOAT_UM, 1))
     else:
-        i, j = self_overlapping(grown((x, y, x, y), NEAR_UM))
+        i, j = self_overlapping(grown((x, y, x, y), FLOAT_UM))
     if len(set(i.tolist()) | set(j.tolist())) < len(x):
         return False
     return not _connected(len(s), i % len(s), j % len(s)).any()
@@ -368,14 +368,14 @@ class _Contours:
         met = (b[:, 0] <= x1) & (b[:, 2] >= x0) & (b[:, 1] <= y1) & (b[:, 3] >= y0)
         around = met & (b[:, 0] >= x0 - near) & (b[:, 2] <= x1 + near)
         around &= (b[:, 1] >= y0 - near) & (b[:, 3] <= y1 + near)
-        if not one.is_wider(wide + NEAR_UM):
+        if not one.is_wider(wide + FLOAT_UM):
             met = around
         for k in np.flatnonzero(met).tolist():
             side, x, y = self._contour(k)
             lies_in, lies_out = one.side(x, y, near)
             if lies_in and not lies_out:
                 return "around", self._corner(k)
-            if side is None or reason is not None or not one.is_wider(wide + NEAR_UM):
+            if side is None or reason is not None or not one.is_wider(wide + FLOAT_UM):
                 continue
             if not lies_in:
                 lies_in, lies_out = side(*_thinned(one.x, one.y), near)
@@ -400,5 +400,5 @@ class _Contours:
 
 
 def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    every = max(1, -(-len(x) // PROBES))
+    every = max(1, -(-len(x) // MOST_PROBES))
     return x[::every], y[::every]

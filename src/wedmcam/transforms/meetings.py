@@ -32,19 +32,17 @@ from wedmcam.geom.segments import (
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import SEGMENT
 from wedmcam.transforms.doubles import NOISE_UM, columns, span_of, steady
-from wedmcam.transforms.walls import MOST, TWICE_UM
+from wedmcam.transforms.walls import MOST, TOUCH_UM, TWICE_UM
 
 Rows = NDArray[np.void]
 Bools = NDArray[np.bool_]
 
-#: Up to this depth, um, one contour touches the other and does not cross it.
-TOUCH_UM = 0.01
 #: Lines, or arcs of one circle, this near to each other run on top of each other, um ...
 ON_TOP_UM = 1.0
 #: ... where they do so for more than this length, um.
 ALONG_UM = 1.0
 #: How far from a vertex to look at which side a contour leaves it, um.
-STEP_UM = 50.0
+AWAY_UM = 50.0
 #: Contours that meet at fewer places than this are not one that is drawn twice, if they do not
 #: cross at two at least.
 SEVERAL = 4
@@ -471,7 +469,7 @@ def _through(
 def _arm(placed: Placed, s: Segments, edge: int, node: int) -> tuple[float, float]:
     """Return a point on segment ``edge`` a little away from its end at ``node``."""
     length = float(s.length[edge])
-    step = min(STEP_UM, 0.5 * length)
+    step = min(AWAY_UM, 0.5 * length)
     at = step if placed.nodes[edge][0] == node else length - step
     x, y = points_at(s.take(np.array([edge])), np.array([at]))
     return float(x[0]), float(y[0])

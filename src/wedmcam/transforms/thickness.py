@@ -13,12 +13,12 @@ from collections.abc import Sequence, Set
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Place, Severity, error, warning
+from wedmcam.diag import LISTED, Diagnostic, Place, Severity, error, warning
 from wedmcam.geom import measure, thickness
 from wedmcam.geom.segments import Ints, points_at
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms.doubles import NOISE_UM, steady
-from wedmcam.transforms.walls import LISTED, TOUCH_UM, WALL_UM
+from wedmcam.transforms.walls import TOUCH_UM, WALL_UM
 
 #: No wire cuts what is smaller than this, um: the finest ones, of 0.02 mm, take it with their gap.
 SPECK_UM = 50.0

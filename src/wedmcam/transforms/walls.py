@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Place, Severity, error, warning
+from wedmcam.diag import LISTED, Diagnostic, Place, Severity, error, warning
 from wedmcam.geom import measure, pairs
 from wedmcam.geom.gaps import Gaps, beside, gaps
 from wedmcam.geom.segments import Floats, Ints, Segments, boxes
@@ -21,7 +21,8 @@ from wedmcam.transforms.doubles import steady
 
 #: Kept material thinner than this is no wall, um: the path is proven within 2 um on either side.
 WALL_UM = 4.0
-#: Up to this, um, contours touch: that is found where contours are made (`meetings`).
+#: Up to this, um, contours touch, and up to this depth one does not cross the other: that is found
+#: where contours are made (`meetings`).
 TOUCH_UM = 0.01
 #: Nearer than this contours do touch, um: the noise of float64.
 EXACT_UM = 1e-6
@@ -30,8 +31,6 @@ EXACT_UM = 1e-6
 MOST = 0.5
 #: What was traced or exported twice is seldom farther apart, um (ours: no source has it).
 TWICE_UM = 20.0
-#: Of findings of one kind this many are listed; a summary stands for the rest.
-LISTED = 20
 
 
 def thin(

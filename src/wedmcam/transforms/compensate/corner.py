@@ -18,11 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from wedmcam.geom.segments import Ints, end_tangents, start_tangents
+from wedmcam.geom.segments import TANGENT, Ints, end_tangents, start_tangents
 from wedmcam.transforms.compensate.raw import Source
 
-#: A turn of less than this is a tangent joint (radians): 1 um over 1 mm.
-TANGENT = 1e-3
 #: Facets of a corner turn by this at least (radians, 10 degrees); less approximates a curve: four
 #: lines in a quarter circle turn by 11 degrees where they meet the walls.
 FACET = np.radians(10.0)

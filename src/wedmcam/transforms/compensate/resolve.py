@@ -27,11 +27,11 @@ NODE_UM = 2e-3
 SLIVER_UM = 0.01
 #: A loop that is nowhere wider than this is no cut: on the grid of the machine little more than
 #: one place would be left of it; um.
-STEP_UM = 1.5
+NO_CUT_UM = 1.5
 #: Longer loops are wider; um.
-SHORT_UM = 8.0 * STEP_UM
+SHORT_UM = 8.0 * NO_CUT_UM
 #: Pieces of opposite direction this near to each other are the two walls of one slot; um.
-BESIDE_UM = 0.02
+SLOT_WALLS_UM = 0.02
 #: Crossings this near to the point at which two neighbours are joined anyway are that point; um.
 JOINT_UM = 1.0
 #: A piece that is clear of everything and longer than this must not get lost; um.
@@ -415,7 +415,7 @@ def _without_doubles(raw: Raw, p: _Pieces) -> tuple[_Pieces, Ints]:
             for b in members[m + 1 :]:
                 if not (alive[a] and alive[b]):
                     continue
-                if np.hypot(mx[a] - mx[b], my[a] - my[b]) > BESIDE_UM:
+                if np.hypot(mx[a] - mx[b], my[a] - my[b]) > SLOT_WALLS_UM:
                     continue
                 alive[b] = False
                 if p.node0[a] != p.node0[b]:
@@ -557,7 +557,7 @@ def _too_small(raw: Raw, found: Loops, which: list[int]) -> set[int]:
         places = [seg.points_at(e, at0 + share * (at1 - at0)) for share in (0.0, 0.25, 0.5, 0.75)]
         if (
             max(float(np.ptp(each)) for each in map(np.concatenate, zip(*places, strict=True)))
-            < STEP_UM
+            < NO_CUT_UM
         ):
             small.add(number)
     return small

@@ -26,7 +26,7 @@ THIN_LENGTH_UM = 500.0
 #: Segments looked at after each.
 AHEAD = 6
 #: Nearer to their common vertex than this, neighbours do not cross, they meet; um.
-VERTEX_UM = 1e-6
+SHARED_VERTEX_UM = 1e-6
 
 
 def untangled(source: Source) -> Source | None:
@@ -45,7 +45,7 @@ def untangled(source: Source) -> Source | None:
         i, j = int(c.i[k]), int(c.j[k])
         tail, head = float(s.length[i] - c.at_i[k]), float(c.at_j[k])
         loop = tail + head + float(between[i, j])
-        if max(tail, head) < VERTEX_UM:
+        if max(tail, head) < SHARED_VERTEX_UM:
             continue
         if source.following[i] == j:
             # Neighbours that cross again share a chord from their vertex to there, and bend to it

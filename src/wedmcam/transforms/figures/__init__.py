@@ -29,7 +29,7 @@ from wedmcam.ir.figure import (
     With,
 )
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.transforms.doubles import SAME_UM
+from wedmcam.transforms.doubles import COPY_UM
 from wedmcam.transforms.figures.join import join_chains, without_repeats
 from wedmcam.transforms.figures.motion import (
     MIRROR_45,
@@ -176,7 +176,7 @@ def _together(
     figure, repeats = without_repeats(contours, own, what)
     figure, joins = join_chains(figure)
     x, y = np.array([p.x for p in threads]), np.array([p.y for p in threads])
-    i, j, _ = near_pairs(x, y, SAME_UM)
+    i, j, _ = near_pairs(x, y, COPY_UM)
     gone: set[int] = set()
     for a, b in zip(i.tolist(), j.tolist(), strict=True):
         if a not in gone and b >= own_threads:

@@ -17,13 +17,13 @@ from wedmcam.diag import Diagnostic, Place, Span, note, warning
 from wedmcam.geom.measure import extents, length, middles
 from wedmcam.geom.segments import Floats, of_rows
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.doubles import NOISE_UM, SAME_UM
+from wedmcam.transforms.doubles import COPY_UM, NOISE_UM
 from wedmcam.transforms.joints import near_pairs
 
 #: Ends of chains this near to each other join, um (part language: within 1 um).
 MEET_UM = 1.0
 #: Places that are listed in one finding.
-LISTED = 5
+NAMED_PLACES = 5
 
 End = tuple[int, int]  # contour, 0 its start or 1 its end
 
@@ -236,7 +236,7 @@ def _said(joined: list[_Joined]) -> Diagnostic:
 def without_repeats(
     contours: Sequence[Contour], first_image: int, what: str
 ) -> tuple[tuple[Contour, ...], tuple[Diagnostic, ...]]:
-    """Drop images that lie on an earlier contour within `SAME_UM`, and say so.
+    """Drop images that lie on an earlier contour within `COPY_UM`, and say so.
 
     Args:
         contours: originals, then images.
@@ -246,11 +246,11 @@ def without_repeats(
     if len(contours) < 2:
         return tuple(contours), ()
     box = np.array([extents(c.vertices, c.closed) for c in contours])
-    i, j, _ = near_pairs(0.5 * (box[:, 0] + box[:, 2]), 0.5 * (box[:, 1] + box[:, 3]), SAME_UM)
+    i, j, _ = near_pairs(0.5 * (box[:, 0] + box[:, 2]), 0.5 * (box[:, 1] + box[:, 3]), COPY_UM)
     gone: set[int] = set()
     for a, b in zip(i.tolist(), j.tolist(), strict=True):
         here = b >= first_image and a not in gone and b not in gone
-        if here and np.abs(box[a] - box[b]).max() <= SAME_UM and _same(contours[a], contours[b]):
+        if here and np.abs(box[a] - box[b]).max() <= COPY_UM and _same(contours[a], contours[b]):
             gone.add(b)
     if not gone:
         return tuple(contours), ()
@@ -267,7 +267,7 @@ def without_repeats(
         points_mm=(first,),
         count=len(gone),
         transform=what,
-        within_mm=SAME_UM / 1e3,
+        within_mm=COPY_UM / 1e3,
         first=first,
     )
     return tuple(c for k, c in enumerate(contours) if k not in gone), (found,)
@@ -280,6 +280,6 @@ def _same(a: Contour, b: Contour) -> bool:
     (ax, ay), (bx, by) = (middles(of_rows(c.starts, c.ends)) for c in (a, b))
     if len(a) == 1 and a.closed:  # circles: the box has said it, and middles go with the start
         return True
-    i, j, _ = near_pairs(np.concatenate([ax, bx]), np.concatenate([ay, by]), SAME_UM)
+    i, j, _ = near_pairs(np.concatenate([ax, bx]), np.concatenate([ay, by]), COPY_UM)
     across = (i < len(ax)) & (j >= len(ax))
     return len(np.unique(i[across])) == len(ax) and len(np.unique(j[across])) == len(bx)

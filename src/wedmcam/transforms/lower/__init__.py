@@ -39,7 +39,7 @@ CHORD_SAG_UM = 0.3
 MOVED_UM = 1.05
 NEIGHBOURS = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
 #: Arcs shorter than this are not split further; um.
-SHORTEST_UM = 4.0
+UNSPLIT_UM = 4.0
 #: Arcs of a larger sweep are split in four (radians).
 WIDE = 3.5
 
@@ -535,7 +535,7 @@ def _split(s: _State, bad: Ints) -> None:
     """Split failed arcs in two, whole turns in four; what is too short becomes a line."""
     _, sweep = _sweeps(s, bad)
     # A whole turn as a line would be nothing at all.
-    short = (s.radius[bad] * sweep < SHORTEST_UM) & (sweep <= WIDE)
+    short = (s.radius[bad] * sweep < UNSPLIT_UM) & (sweep <= WIDE)
     s.done[bad[short]] = 2
     bad, sweep = bad[~short], sweep[~short]
     if len(bad):

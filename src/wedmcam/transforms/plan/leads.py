@@ -25,7 +25,7 @@ from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.plan.paths import PlannedPath
 
 #: A lead that arrives this near to a vertex arrives at it: no leftovers of a few steps; um.
-VERTEX_UM = 5.0
+SNAP_TO_VERTEX_UM = 5.0
 #: How much nearer than the offset to its outline a thread point may be: its own rounding; um.
 ROUNDED_UM = 1.0
 #: Ties of length within this are ties; um.
@@ -40,7 +40,7 @@ LEAVES_UM = 1.0
 #: What is nearer than this touches, um.
 LEAST_UM = 1e-3
 #: Ends of segments are known to some nanometres: shorter ones may run anywhere, um.
-NOISE_UM = 0.05
+AIMLESS_UM = 0.05
 #: How often a lead is halved that would end too near to another wall.
 HALVED = 8
 
@@ -295,7 +295,9 @@ def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
     return best, float(at[best])
 
 
-def rotated(path: Contour, s: Segments, row: int, at: float, snap_um: float = VERTEX_UM) -> Contour:
+def rotated(
+    path: Contour, s: Segments, row: int, at: float, snap_um: float = SNAP_TO_VERTEX_UM
+) -> Contour:
     """Return a closed path that starts on segment ``row`` at ``at`` um, split there if need be.
 
     Within ``snap_um`` of a vertex it starts there.
@@ -385,7 +387,7 @@ def _ray(number: int, path: Contour, left: bool) -> _Ray:
     s = seg.of_rows(path.starts, path.ends)
     ix, iy = (float(c[-1]) for c in seg.end_tangents(s))
     ox, oy = (float(c[0]) for c in seg.start_tangents(s))
-    if min(s.length[0], s.length[-1]) < NOISE_UM:
+    if min(s.length[0], s.length[-1]) < AIMLESS_UM:
         (ix, iy), (ox, oy) = _headings(s)
     # From the first segment's normal by half the turn of the corner; exact where there is none.
     back = -0.5 * float(np.arctan2(ix * oy - iy * ox, ix * ox + iy * oy))

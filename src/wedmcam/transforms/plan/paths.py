@@ -22,7 +22,7 @@ from wedmcam.transforms.plan.shaped import ShapedCut
 from wedmcam.transforms.plan.wording import Wording
 
 #: Places of interference that are listed; a summary stands for the rest.
-LISTED = 10
+LISTED_PLACES = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,7 +132,7 @@ def interference(
     cures: dict[int, _Cure] = {}
     alone: set[int] = set()  # those that would fit without their neighbours
     found = []
-    for item in places[:LISTED]:
+    for item in places[:LISTED_PLACES]:
         contour = contours[item.outline]
         if item.outline not in cures:
             sign = float(np.sign(shifts[item.outline]))
@@ -146,9 +146,9 @@ def interference(
         found.append(
             _interference(item, contour, offset, trim, cures[item.outline], item.outline in alone)
         )
-    if len(places) > LISTED:
+    if len(places) > LISTED_PLACES:
         make = warning if trim else error
-        more = len(places) - LISTED
+        more = len(places) - LISTED_PLACES
         found.append(make("interference", "{count} further places like these", count=more))
     return found
 

@@ -158,6 +158,6 @@ def _changes(of: Ints) -> NDArray[np.bool_]:
     return change
 
 
-def grown(a: Boxes, by: float) -> Boxes:
+def grow(a: Boxes, by: float) -> Boxes:
     """Return the boxes grown by ``by`` um on every side."""
     return a[0] - by, a[1] - by, a[2] + by, a[3] + by

@@ -98,7 +98,7 @@ def walls(s: Segments, owner: Ints, below_um: float) -> Walls:
 
     What lies between, material or scrap, is not looked at.
     """
-    i, j = pairs.self_overlapping(pairs.grown(boxes(s), 0.5 * below_um))
+    i, j = pairs.self_overlapping(pairs.grow(boxes(s), 0.5 * below_um))
     near = _may_be_near(s, i, j, below_um)
     i, j = i[near], j[near]
     p = _pieces(s, owner)
@@ -205,7 +205,7 @@ def _pairs_of_pieces(p: _Pieces, i: Ints, j: Ints, below: float) -> tuple[Ints, 
     keep &= least < below
     a, b = a[keep], b[keep]
     if len(s) > len(p.first):
-        box = pairs.grown(boxes(s), 0.5 * below)
+        box = pairs.grow(boxes(s), 0.5 * below)
         meet = (box[0][a] <= box[2][b]) & (box[0][b] <= box[2][a])
         meet &= (box[1][a] <= box[3][b]) & (box[1][b] <= box[3][a])
         a, b = a[meet], b[meet]

@@ -33,7 +33,7 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
 
     A joint at an angle a tears by offset times a; up to `TANGENT_GAP_UM` is taken for tangent.
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     more = 0
     for cut in plan.cuts:
         if cut.outline is None or not cut.offset_um:
@@ -47,11 +47,11 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
         if not c.closed:
             angle = angle[:-1]
         for k in np.flatnonzero(angle * cut.offset_um > TANGENT_GAP_UM).tolist():
-            if len(found) >= LISTED_CORNERS:
+            if len(findings) >= LISTED_CORNERS:
                 more += 1
                 continue
             corner = Place.of_um(s.x1[k], s.y1[k])
-            found.append(
+            findings.append(
                 error(
                     "not-tangent",
                     "the outline has a corner of {angle_deg:.3f} degrees at {corner}; the "
@@ -65,8 +65,8 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
                 )
             )
     if more:
-        found.append(error("not-tangent", "{count} further corners", count=more))
-    return found
+        findings.append(error("not-tangent", "{count} further corners", count=more))
+    return findings
 
 
 def gaps(plan: Plan) -> list[tuple[float, Place]]:
@@ -78,7 +78,7 @@ def gaps(plan: Plan) -> list[tuple[float, Place]]:
     return sorted(places.items())
 
 
-def grown(plan: Plan, program: Program) -> NDArray[np.int8]:
+def arc_growth(plan: Plan, program: Program) -> NDArray[np.int8]:
     """Return for each block whether the offset made an arc larger (+1) or smaller (-1).
 
     The outline lies on the side of what is kept; an arc whose centre is on that side grew.

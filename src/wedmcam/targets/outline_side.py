@@ -42,7 +42,7 @@ class _Ring(NamedTuple):
     arcs: Ints
 
 
-def grown(
+def arc_growth(
     program: Program, machine: Machine, gap_um: float, outwards: bool
 ) -> tuple[NDArray[np.int8] | None, list[Diagnostic]]:
     """Return for each block +1 where the gap made its arc larger than that of the outline, else -1.

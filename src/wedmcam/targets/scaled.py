@@ -80,7 +80,7 @@ class Scaled(Stated):
         found = gap.corners(plan, self.instead)
         if has_errors(found):
             return None, found
-        grows = gap.grown(plan, program)
+        grows = gap.arc_growth(plan, program)
         data, more = self._encoded(program, grown=grows, **_stated(entries))
         if data and not has_errors(more):
             more = [*more, *self._torn(data, plan, entries)]
@@ -141,7 +141,7 @@ class Scaled(Stated):
             of = senses[program.blocks["source"]]
             stated: dict[str, Any] = {"gap_um": 0, "outwards": True}
             return self._encoded(program, grown=np.where(of == 0, 1, of), **stated)
-        from wedmcam.targets.outline_side import grown
+        from wedmcam.targets.outline_side import arc_growth
 
         said: list[Diagnostic] = []
         if entries.gap_um is None and _has_arcs(program):
@@ -153,7 +153,7 @@ class Scaled(Stated):
                 )
             ]
         stated = _stated(entries)
-        grows, found = grown(program, self.machine, stated["gap_um"], entries.outwards)
+        grows, found = arc_growth(program, self.machine, stated["gap_um"], entries.outwards)
         if grows is not None:
             stated["grown"] = grows
             said += found

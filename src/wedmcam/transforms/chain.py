@@ -27,11 +27,11 @@ from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.sketch import Sketch
 from wedmcam.transforms.doubles import (
     columns,
+    drop_copies,
+    drop_zero_length,
     forward,
     is_circle,
     steady,
-    without_copies,
-    without_nothing,
     zero_length,
 )
 from wedmcam.transforms.hints import with_linetypes
@@ -91,8 +91,8 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         `open_contour_findings`.
     """
     sources = sketch.sources
-    rows, nothing, found_nothing = without_nothing(sketch.segments, sources)
-    rows, copies, found_copies = without_copies(rows, sources)
+    rows, dropped, found_dropped = drop_zero_length(sketch.segments, sources)
+    rows, copies, found_copies = drop_copies(rows, sources)
     ring = is_circle(rows)
     rings, rows = forward(rows[ring]), rows[~ring]
     joints, found_joins = join(rows, sources, join_um)
@@ -104,7 +104,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         rings = np.concatenate([rings, forward(_full(rows[full]))])
         lost = shut & ~full
         if lost.any():
-            nothing += int(lost.sum())
+            dropped += int(lost.sum())
             found_shut = (zero_length(rows[lost], sources),)
         joints = Joints(
             joints.rows[~shut],
@@ -116,7 +116,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         )
     closed, opened, found_branches, branches = _walk(joints, sources)
     contours, placed = _contours(joints, closed, opened, rings, sources)
-    found = (*found_nothing, *found_shut, *found_copies, *found_joins, *found_branches)
+    found = (*found_dropped, *found_shut, *found_copies, *found_joins, *found_branches)
     report = ChainReport(
         closed=sum(c.closed for c in contours),
         open=sum(not c.closed for c in contours),
@@ -124,7 +124,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         joins=joints.joins,
         max_shift_um=joints.max_shift_um,
         duplicates=copies,
-        zero_length=nothing,
+        zero_length=dropped,
     )
     return contours, report, with_linetypes((*found, *meetings(placed, sources)))
 
@@ -140,12 +140,12 @@ def _full(rows: Rows) -> Rows:
 # A *half-edge* is a segment with a direction: 2 e leaves segment e at its start, 2 e + 1 at
 # its end.
 
-Run = list[int]
+Chain = list[int]
 
 
 def _walk(
     joints: Joints, sources: tuple[Span, ...]
-) -> tuple[list[Run], list[Run], tuple[Diagnostic, ...], int]:
+) -> tuple[list[Chain], list[Chain], tuple[Diagnostic, ...], int]:
     """Return closed and open runs of half-edges, and errors where there is no one way to go on."""
     node = joints.nodes.reshape(-1)  # of half-edge h: where it leaves from
     m = len(node)
@@ -159,7 +159,7 @@ def _walk(
     go_on = follow.tolist()
     used = bytearray(m // 2)
 
-    def run_from(h: int) -> Run:
+    def run_from(h: int) -> Chain:
         start, path = h, []
         while True:
             path.append(h)
@@ -177,7 +177,9 @@ def _walk(
     return closed + more, opened, found, len(bad)
 
 
-def _untangle(runs: list[Run], node: list[int], degree: Ints) -> tuple[list[Run], list[Run], Ints]:
+def _untangle(
+    runs: list[Chain], node: list[int], degree: Ints
+) -> tuple[list[Chain], list[Chain], Ints]:
     """Split runs that end at branches or touching points into loops and chains.
 
     Returns:
@@ -196,8 +198,8 @@ def _untangle(runs: list[Run], node: list[int], degree: Ints) -> tuple[list[Run]
     groups: dict[int, list[int]] = {}
     for k, (u, _) in enumerate(ends):
         groups.setdefault(root(u), []).append(k)
-    loops: list[Run] = []
-    chains: list[Run] = []
+    loops: list[Chain] = []
+    chains: list[Chain] = []
     bad: list[int] = []
     for group in groups.values():
         here = sorted({v for k in group for v in ends[k]})
@@ -215,8 +217,8 @@ def _untangle(runs: list[Run], node: list[int], degree: Ints) -> tuple[list[Run]
 
 
 def _loops(
-    group: list[int], runs: list[Run], ends: list[tuple[int, int]], starts: list[int]
-) -> tuple[list[Run], list[Run]]:
+    group: list[int], runs: list[Chain], ends: list[tuple[int, int]], starts: list[int]
+) -> tuple[list[Chain], list[Chain]]:
     """Walk all runs of a connected group, cutting a loop off whenever the walk meets itself."""
     leaving: dict[int, list[int]] = {}
     for k in group:
@@ -224,8 +226,8 @@ def _loops(
         leaving.setdefault(u, []).append(2 * k)
         leaving.setdefault(v, []).append(2 * k + 1)
     used: set[int] = set()
-    loops: list[Run] = []
-    chains: list[Run] = []
+    loops: list[Chain] = []
+    chains: list[Chain] = []
     waiting = list(starts)
     while waiting:
         v = waiting.pop()
@@ -243,7 +245,7 @@ def _loops(
             v = ends[step >> 1][1 - (step & 1)]
             if v in visited:
                 loop = path[visited[v] :]
-                loops.append(_joined(loop, runs))
+                loops.append(_flatten(loop, runs))
                 for s in loop[1:]:
                     gone = ends[s >> 1][s & 1]
                     del visited[gone]
@@ -252,14 +254,14 @@ def _loops(
             else:
                 visited[v] = len(path)
         if path:
-            chains.append(_joined(path, runs))
+            chains.append(_flatten(path, runs))
             waiting += list(visited)
     return loops, chains
 
 
-def _joined(steps: list[int], runs: list[Run]) -> Run:
+def _flatten(steps: list[int], runs: list[Chain]) -> Chain:
     """Return the half-edges of whole runs, each forward (2 k) or backward (2 k + 1)."""
-    out: Run = []
+    out: Chain = []
     for step in steps:
         run = runs[step >> 1]
         out += [h ^ 1 for h in reversed(run)] if step & 1 else run
@@ -333,8 +335,8 @@ def _closing(joints: Joints, sources: tuple[Span, ...], k: int) -> int:
 
 def _contours(
     joints: Joints,
-    closed: list[Run],
-    opened: list[Run],
+    closed: list[Chain],
+    opened: list[Chain],
     rings: Rows,
     sources: tuple[Span, ...],
 ) -> tuple[tuple[Contour, ...], Placed]:
@@ -343,7 +345,7 @@ def _contours(
     runs = closed + opened
     half = np.array([h for run in runs for h in run], np.int64)
     sizes = np.array([len(run) for run in runs], np.int64)
-    half = _oriented(rows, half, sizes, n)
+    half = _orient(rows, half, sizes, n)
     edge, back = half // 2, half % 2 == 1
     x = np.where(back, rows["x1"][edge], rows["x0"][edge])
     y = np.where(back, rows["y1"][edge], rows["y0"][edge])
@@ -378,7 +380,7 @@ def _contours(
         contours.append(Contour(piece, k < n, sources))
     for ring in rings:
         contours.append(_ring(ring, sources))
-    order = _sorted(rows, edge, offsets, rings, contours)
+    order = _sort(rows, edge, offsets, rings, contours)
     rank = np.empty(len(order), np.int64)
     rank[order] = np.arange(len(order))
     owner = np.full(len(rows) + len(rings), -1, np.int64)
@@ -397,7 +399,7 @@ def _ring(row: np.void, sources: tuple[Span, ...]) -> Contour:
     return Contour(out, True, sources)
 
 
-def _oriented(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
+def _orient(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
     """Return the half-edges with every run in its canonical direction; the first n are closed."""
     if not len(half):
         return half
@@ -419,7 +421,7 @@ def _oriented(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
     return np.where(flip, half ^ 1, half)
 
 
-def _sorted(rows: Rows, edge: Ints, first: Ints, rings: Rows, contours: list[Contour]) -> Ints:
+def _sort(rows: Rows, edge: Ints, first: Ints, rings: Rows, contours: list[Contour]) -> Ints:
     """Return the canonical order: closed before open, then by extents, lowest and left-most first.
 
     Extents are taken without their last digits, which differ with the direction in which an arc

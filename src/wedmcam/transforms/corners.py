@@ -83,10 +83,10 @@ def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, li
     rows["x"][i, 1], rows["y"][i, 1] = arcs.x0 + ox, arcs.y0 + oy
     rows["cx"][i, 1], rows["cy"][i, 1] = arcs.cx + ox, arcs.cy + oy
     rows["turn"][i, 1] = side
-    made = rows[np.stack([end - begin > 1e-6, sharp], axis=1)]
+    rounded = rows[np.stack([end - begin > 1e-6, sharp], axis=1)]
     if not contour.closed:
-        made = np.concatenate([made, v[-1:]])
-    return Contour(made, contour.closed, contour.sources), []
+        rounded = np.concatenate([rounded, v[-1:]])
+    return Contour(rounded, contour.closed, contour.sources), []
 
 
 @dataclass(frozen=True, slots=True, eq=False)

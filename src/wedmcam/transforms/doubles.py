@@ -67,7 +67,7 @@ def is_circle(rows: Rows) -> NDArray[np.bool_]:
     return np.asarray(full, np.bool_)
 
 
-def without_nothing(
+def drop_zero_length(
     rows: Rows, sources: tuple[Span, ...]
 ) -> tuple[Rows, int, tuple[Diagnostic, ...]]:
     """Drop rows shorter than `NOISE_UM`; a short segment that has a length stays.
@@ -106,9 +106,7 @@ def span_of(row: np.void, sources: tuple[Span, ...]) -> Span | None:
     return sources[at] if 0 <= at < len(sources) else None
 
 
-def without_copies(
-    rows: Rows, sources: tuple[Span, ...]
-) -> tuple[Rows, int, tuple[Diagnostic, ...]]:
+def drop_copies(rows: Rows, sources: tuple[Span, ...]) -> tuple[Rows, int, tuple[Diagnostic, ...]]:
     """Drop every segment that another one repeats, in whatever direction.
 
     Returns:

@@ -205,7 +205,7 @@ def _move_ends(
     if not len(arc):
         return out, 0.0, ()
     # Counter-clockwise, whatever way it was drawn: direction must not change a digit.
-    cx, cy, belly = _refitted(columns(_ccw(rows[arc])), _ccw(out[arc]), shift[arc])
+    cx, cy, belly = _refit(columns(_ccw(rows[arc])), _ccw(out[arc]), shift[arc])
     out["cx"][arc], out["cy"][arc] = cx, cy
     found = []
     for k in np.flatnonzero(belly > BELLY * join_um).tolist():
@@ -236,7 +236,7 @@ def _ccw(rows: Rows) -> Rows:
     return out
 
 
-def _refitted(old: Segments, new: Rows, shift: Floats) -> tuple[Floats, Floats, Floats]:
+def _refit(old: Segments, new: Rows, shift: Floats) -> tuple[Floats, Floats, Floats]:
     """Return centres of counter-clockwise arcs between new ends, and how far each belly moved.
 
     The radius is kept where that keeps the arc in place. Near a half circle it cannot: shortening

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import LISTED, Diagnostic, Place, Span, error, warning
 from wedmcam.geom import crossings
 from wedmcam.geom.gaps import beside
-from wedmcam.geom.pairs import grown, self_overlapping_parts
+from wedmcam.geom.pairs import grow, self_overlapping_parts
 from wedmcam.geom.segments import (
     TAU,
     Floats,
@@ -136,8 +136,8 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
     owners = [placed.owner[k] for k in on_top[:2]]
     over_pairs, pairs_of_hits = _sorted_pairs(*owners), _sorted_pairs(*pairs)
     crossing = [pairs_of_hits[k] for k in np.flatnonzero(cross).tolist()]
-    twice, said = _twice(placed, sources, s, over_pairs, crossing)
-    found += said
+    twice, errors = _twice(placed, sources, s, over_pairs, crossing)
+    found += errors
     once = np.array([p not in twice for p in over_pairs], bool)
     i, j, x, y, along = (v[once] for v in on_top)
     found += _overlaps(placed, sources, i, j, x, y, along, complete=complete)
@@ -173,7 +173,7 @@ def _met(placed: Placed, s: Segments) -> tuple[_Met, bool]:
     branching = placed.owner < 0
     if int(branching.sum()) > MANY_BRANCHING:  # a star of so many lines is refused as it is
         looked = np.flatnonzero(~branching)
-    box = tuple(side[looked] for side in grown(boxes(s), TOUCH_UM))
+    box = tuple(side[looked] for side in grow(boxes(s), TOUCH_UM))
     met = _Met(*_of_pairs(placed, s, looked[:0], looked[:0]))
     seen = 0
     for i, j in self_overlapping_parts((box[0], box[1], box[2], box[3]), PART):
@@ -485,7 +485,7 @@ def _side(s: Segments, on: int, point: tuple[float, float]) -> int:
     return 0 if abs(off) <= TOUCH_UM else (1 if off > 0 else -1)
 
 
-def _grouped(
+def _group_hits(
     hits: crossings.Crossings, which: Bools, pairs: tuple[Ints, Ints]
 ) -> list[tuple[tuple[int, int], list[int]]]:
     """Return hits by pair of contours, each from the lowest place on, pairs in that order too."""
@@ -512,7 +512,7 @@ def _crossings(
     ``complete``: there are no more of them than these.
     """
     found = []
-    groups = _grouped(hits, which, pairs)
+    groups = _group_hits(hits, which, pairs)
     for (a, b), group in groups[:LISTED]:
         places = _places(hits, group)
         first, second = _two(placed, sources, int(hits.i[group[0]]), int(hits.j[group[0]]))
@@ -557,7 +557,7 @@ def _touches(
     """Return one warning for each pair of contours that touch and do not cross."""
     found = []
     touching: dict[tuple[int, int], tuple[Place, int, int]] = {}
-    for pair, group in _grouped(hits, which, pairs):
+    for pair, group in _group_hits(hits, which, pairs):
         touching[pair] = _places(hits, group)[0], int(hits.i[group[0]]), int(hits.j[group[0]])
     for pair, spot, i, j in _common_nodes(placed, s):
         touching.setdefault(pair, (spot, i, j))

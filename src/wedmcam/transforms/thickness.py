@@ -94,7 +94,7 @@ def thin_walls(
     part: bool,
     below_um: float,
     numbers: Sequence[int],
-    said: Set[tuple[int, int]],
+    close_pairs: Set[tuple[int, int]],
     taken: Sequence[float] = (),
 ) -> list[Diagnostic]:
     """Return a warning for each wall, fin or neck of kept material below a thickness.
@@ -106,7 +106,7 @@ def thin_walls(
         contours: closed ones of one part.
         part: what an odd number of them encloses is kept; False: the rest is.
         below_um: no wall is thinner on purpose; 0 for no warnings.
-        numbers: of the contours, for ``said``.
+        numbers: of the contours, for ``close_pairs``.
         said: pairs of numbers, the lower first, of which it was said already.
         taken: for each contour, how far behind it the kept material begins; empty for nowhere.
     """
@@ -121,9 +121,9 @@ def thin_walls(
     lost = behind[owner[w.i]] + behind[owner[w.j]]
     none = (lost > 0) & (size - lost < WALL_UM)
     keep = (size > TOUCH_UM) & ((size - lost < below_um - NOISE_UM) | none)
-    if said and keep.any():
+    if close_pairs and keep.any():
         pair = np.sort(np.array(numbers)[np.stack([owner[w.i], owner[w.j]])], axis=0)
-        keep &= np.array([p not in said for p in zip(*pair.tolist(), strict=True)], np.bool_)
+        keep &= np.array([p not in close_pairs for p in zip(*pair.tolist(), strict=True)], np.bool_)
     rows = np.flatnonzero(keep)
     if not len(rows):
         return []

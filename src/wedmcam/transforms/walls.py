@@ -59,7 +59,7 @@ def thin(
     s, first = measure.segments_of_all([(c.vertices, c.closed) for c in contours])
     owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
     found: list[tuple[float, float, Diagnostic]] = []
-    said: set[tuple[int, int]] = set()
+    close_pairs: set[tuple[int, int]] = set()
     for (a, b), i, j in _pairs(s, owner, first):
         g = gaps(s.take(i), s.take(j))
         near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
@@ -71,7 +71,7 @@ def thin(
             # Equal, or not near at all; or a polygon whose corners lie on the other outline.
             share, far = beside(s.take(owner == a), s.take(owner == b), TWICE_UM)
             if share >= MOST and far > TOUCH_UM:
-                said.add((a, b))
+                close_pairs.add((a, b))
                 wall = one and keeps[a] is not None and keeps[b] is not None
                 at = float(g.x[least]), float(g.y[least])
                 found.append(
@@ -85,7 +85,7 @@ def thin(
         within = WALL_UM if wall and not touch else TWICE_UM
         share = beside(s.take(owner == a), s.take(owner == b), within)[0]
         if share >= MOST or (wall and not touch):
-            said.add((a, b))
+            close_pairs.add((a, b))
             found.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
     found.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
     listed = [f[2] for f in found[:LISTED]]
@@ -93,7 +93,7 @@ def thin(
         more = len(found) - LISTED
         make = error if any(f[2].severity is Severity.ERROR for f in found[LISTED:]) else warning
         listed.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
-    return listed, said
+    return listed, close_pairs
 
 
 def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:
@@ -108,10 +108,10 @@ def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, i
     done = set()
     for a, b in _alike(extents):
         one, two = np.arange(first[a], last[a]), np.arange(first[b], last[b])
-        i, j = pairs.overlapping(pairs.grown(boxes(s.take(one)), TWICE_UM), boxes(s.take(two)))
+        i, j = pairs.overlapping(pairs.grow(boxes(s.take(one)), TWICE_UM), boxes(s.take(two)))
         done.add((a, b))
         yield (a, b), one[i], two[j]
-    i, j = pairs.self_overlapping(pairs.grown(around, 0.5 * WALL_UM))
+    i, j = pairs.self_overlapping(pairs.grow(around, 0.5 * WALL_UM))
     other = owner[i] != owner[j]
     i, j = i[other], j[other]
     low, high = np.minimum(owner[i], owner[j]), np.maximum(owner[i], owner[j])

@@ -29,7 +29,7 @@ from wedmcam.transforms.compensate.interference import (
 from wedmcam.transforms.compensate.raw import SPECK_UM, Raw, Source, gather, raw_offset
 from wedmcam.transforms.compensate.regular import regular_paths
 from wedmcam.transforms.compensate.resolve import Limits, Loops, resolve
-from wedmcam.transforms.compensate.untangle import untangled
+from wedmcam.transforms.compensate.untangle import untangle
 
 __all__ = ["Compensated", "Interference", "WirePath", "compensate"]
 
@@ -147,7 +147,7 @@ def compensate(
         nudged = [s + float(np.sign(s)) * attempt.nudge_um for s in shifts]
         source = gather(outlines, nudged, attempt.speck_um)
         if attempt.untangle:
-            source = untangled(source) or source
+            source = untangle(source) or source
         raw = raw_offset(source, sharp)
         if raw.tangled and not attempt.untangle:
             continue

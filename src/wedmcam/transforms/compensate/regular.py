@@ -188,6 +188,6 @@ def _clear(px: Floats, py: Floats, offset: Floats, drawn: tuple[Floats, ...]) ->
     x0, y0, x1, y1, cx, cy, turn = drawn
     s = seg.make(x0, y0, x1, y1, cx, cy, turn.astype(np.int8))
     reach = float(offset.max())
-    i, j = pairs.overlapping((px, py, px, py), pairs.grown(seg.boxes(s), reach))
+    i, j = pairs.overlapping((px, py, px, py), pairs.grow(seg.boxes(s), reach))
     d = seg.distances(s.take(j), px[i], py[i])
     return bool((pairs.least(d, i, len(px)) >= offset - SAME_END_UM).all())

@@ -295,7 +295,7 @@ def _crossings(raw: Raw, low: Floats, high: Floats) -> crossings.Crossings:
     """
     e = raw.elements
     kept, boxes = overrun.boxes(e, low, high)
-    i, j = (kept[k] for k in pairs.self_overlapping(pairs.grown(boxes, crossings.REACH)))
+    i, j = (kept[k] for k in pairs.self_overlapping(pairs.grow(boxes, crossings.REACH)))
     after = raw.joined[i] & (raw.following[i] == j)
     before = raw.joined[j] & (raw.following[j] == i)
     neighbours = after | before
@@ -325,7 +325,7 @@ def _touches(
     n = len(ends)
     loose = np.concatenate([ends[~raw.joined], starts[starts >= n]])
     px, py = x[loose], y[loose]
-    boxes = pairs.grown(seg.boxes(raw.elements), touch)
+    boxes = pairs.grow(seg.boxes(raw.elements), touch)
     i, j = pairs.overlapping((px, py, px, py), boxes)
     e = raw.elements.take(j)
     at = seg.position_of(e, px[i], py[i])
@@ -339,7 +339,7 @@ def _merged(x: Floats, y: Floats, used: NDArray[np.bool_]) -> Ints:
     rows = np.flatnonzero(used)
     rows = _one_a_cell(rows, x, y, label)
     px, py = x[rows], y[rows]
-    i, j = pairs.self_overlapping(pairs.grown((px, py, px, py), 0.5 * NODE_UM))
+    i, j = pairs.self_overlapping(pairs.grow((px, py, px, py), 0.5 * NODE_UM))
     near = np.hypot(px[i] - px[j], py[i] - py[j]) <= NODE_UM
     i, j = rows[i[near]], rows[j[near]]
     while True:  # labels flow to the smallest; clusters are tiny, so this takes a pass or two
@@ -375,7 +375,7 @@ def _clearance(source: Source, raw: Raw, element: Ints, at: Floats) -> Floats:
     x, y = seg.points_at(raw.elements.take(element), at)
     offset = np.abs(source.shift[raw.source[element]])
     reach = float(offset.max()) if len(offset) else 0.0
-    drawn = pairs.grown(seg.boxes(source.segments), reach)
+    drawn = pairs.grow(seg.boxes(source.segments), reach)
     result = np.full(len(x), np.inf)
     # So many points at once that the pairs fit the memory: about POINT_PAIRS of them, by the last.
     step = 50_000

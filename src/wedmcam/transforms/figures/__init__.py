@@ -30,7 +30,7 @@ from wedmcam.ir.figure import (
 )
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.doubles import COPY_UM
-from wedmcam.transforms.figures.join import join_chains, without_repeats
+from wedmcam.transforms.figures.join import drop_repeats, join_chains
 from wedmcam.transforms.figures.motion import (
     MIRROR_45,
     MIRROR_135,
@@ -173,7 +173,7 @@ def _together(
     contours: list[Contour], own: int, threads: list[ThreadPoint], own_threads: int, what: str
 ) -> tuple[tuple[Figure, Threads], list[Diagnostic]]:
     """Return figure and images without repeats, chains joined."""
-    figure, repeats = without_repeats(contours, own, what)
+    figure, repeats = drop_repeats(contours, own, what)
     figure, joins = join_chains(figure)
     x, y = np.array([p.x for p in threads]), np.array([p.y for p in threads])
     i, j, _ = near_pairs(x, y, COPY_UM)

@@ -68,11 +68,11 @@ def join_chains(
         if len(chain) == 1 and not ring:
             out.append(c)
             continue
-        made = _merged([contours[i] if way else contours[i].reversed() for i, way in chain], ring)
-        out.append(made.contour)
-        joined.append(made)
+        merged = _merge([contours[i] if way else contours[i].reversed() for i, way in chain], ring)
+        out.append(merged.contour)
+        joined.append(merged)
     if joined:
-        found.append(_said(joined))
+        found.append(_joined_note(joined))
     return tuple(out), tuple(found)
 
 
@@ -93,12 +93,12 @@ def _partners(
         near.setdefault(b, []).append(a)
     other: dict[End, End] = {}
     crowded: list[tuple[float, float]] = []
-    told: set[int] = set()
+    seen: set[int] = set()
     for a, met in near.items():
         if len(met) == 1 and len(near[met[0]]) == 1:
             other[ends[a]] = ends[met[0]]
-        elif a not in told:
-            told.update((a, *met))
+        elif a not in seen:
+            seen.update((a, *met))
             crowded.append((float(x[a]), float(y[a])))
     return other, crowded
 
@@ -135,7 +135,7 @@ class _Joined:
     defect_um: float
 
 
-def _merged(pieces: list[Contour], ring: bool) -> _Joined:
+def _merge(pieces: list[Contour], ring: bool) -> _Joined:
     """Return the pieces as one contour, joints closed to the digit."""
     n = len(pieces)
     rows = [p.vertices.copy() for p in pieces]
@@ -202,10 +202,10 @@ def _meet(a: np.ndarray, b: np.ndarray) -> None:
         a[at][-1] = b[at][0] = m
 
 
-def _said(joined: list[_Joined]) -> Diagnostic:
+def _joined_note(joined: list[_Joined]) -> Diagnostic:
     rings = [j for j in joined if j.contour.closed]
     chains = len(joined) - len(rings)
-    said = note(
+    finding = note(
         "figure-join",
         "{pieces} chains became ",
         count=len(joined),
@@ -215,16 +215,18 @@ def _said(joined: list[_Joined]) -> Diagnostic:
         gap_um=max(j.gap_um for j in joined),
     )
     if rings:
-        said = said.extended("1 closed contour" if len(rings) == 1 else "{closed} closed contours")
+        finding = finding.extended(
+            "1 closed contour" if len(rings) == 1 else "{closed} closed contours"
+        )
     if rings and chains:
-        said = said.extended(" and ")
+        finding = finding.extended(" and ")
     if chains:
-        said = said.extended("1 open chain" if chains == 1 else "{open} open chains")
-    said = said.extended("; the largest gap was {gap_um:.3f} um")
+        finding = finding.extended("1 open chain" if chains == 1 else "{open} open chains")
+    finding = finding.extended("; the largest gap was {gap_um:.3f} um")
     if not rings:
-        return said
+        return finding
     worst = max(rings, key=lambda j: j.defect_um)
-    return said.extended(
+    return finding.extended(
         ", the largest closing defect {defect_um:.3f} um, spread over 1 joint"
         if worst.pieces == 1
         else ", the largest closing defect {defect_um:.3f} um, spread over {joints} joints",
@@ -233,7 +235,7 @@ def _said(joined: list[_Joined]) -> Diagnostic:
     )
 
 
-def without_repeats(
+def drop_repeats(
     contours: Sequence[Contour], first_image: int, what: str
 ) -> tuple[tuple[Contour, ...], tuple[Diagnostic, ...]]:
     """Drop images that lie on an earlier contour within `COPY_UM`, and say so.

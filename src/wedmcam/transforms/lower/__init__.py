@@ -23,7 +23,7 @@ from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.transforms.lower import moves
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
-from wedmcam.transforms.lower.layout import Course, lay_out
+from wedmcam.transforms.lower.layout import Layout, lay_out
 from wedmcam.transforms.lower.repair import best_chain
 from wedmcam.transforms.lower.steps import in_steps
 
@@ -129,7 +129,7 @@ SEGMENT = (
     "ay",
 )
 #: Those that the course states and that are whole numbers.
-COURSE = ("v0", "v1", "turn", "source", "role", "cut", "keeps", "group")
+STATED = ("v0", "v1", "turn", "source", "role", "cut", "keeps", "group")
 
 
 def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
@@ -144,9 +144,9 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     """
     found: list[Diagnostic] = []
     plan = in_steps(plan, rules.step_um)
-    course = lay_out(plan)
-    s = _state(course)
-    found += _chords_over_limit(s, course, rules)
+    layout = lay_out(plan)
+    s = _state(layout)
+    found += _chords_over_limit(s, layout, rules)
     _split_long_lines(s, rules)
     _split_nearly_closed(s)
     budget = Budget()
@@ -167,7 +167,7 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
             error(
                 "cannot-lower",
                 "an arc near {place} has no stepped image within the budget of deviation",
-                course.sources[s.source[k]] if s.source[k] >= 0 else None,
+                layout.sources[s.source[k]] if s.source[k] >= 0 else None,
                 hint="please report the drawing",
                 place=rules.place(s.x[s.v0[k]], s.y[s.v0[k]]),
             )
@@ -182,20 +182,20 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
                 within_um=2 * rules.step_um,
             )
         )
-    short = _short_marks(s, course, plan, rules)
+    short = _short_marks(s, layout, plan, rules)
     if short:
         return None, found + short
-    program, more = _blocks(s, course, plan, rules)
+    program, more = _blocks(s, layout, plan, rules)
     return program, found + more
 
 
-def _short_marks(s: _State, course: Course, plan: Plan, rules: Rules) -> list[Diagnostic]:
+def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Diagnostic]:
     """Return errors where a stop or an overcut begins and ends on one step: it would be none.
 
     A pause on the step of the thread point is the end of the cut, to the machine as to the judge.
     """
     found = []
-    for name, index, vertex, others in course.marks:
+    for name, index, vertex, others in layout.marks:
         x, y = int(s.gx[vertex]), int(s.gy[vertex])
         if all((x, y) != (int(s.gx[v]), int(s.gy[v])) for v in others):
             continue
@@ -222,19 +222,19 @@ def _short_marks(s: _State, course: Course, plan: Plan, rules: Rules) -> list[Di
     return found
 
 
-def _state(course: Course) -> _State:
-    ints = {n: np.array(getattr(course, n), np.int64) for n in COURSE}
-    n = len(course.v0)
-    x, y = np.array(course.x), np.array(course.y)
+def _state(layout: Layout) -> _State:
+    ints = {n: np.array(getattr(layout, n), np.int64) for n in STATED}
+    n = len(layout.v0)
+    x, y = np.array(layout.x), np.array(layout.y)
     zero = np.zeros(n, np.int64)
     return _State(
         **ints,
-        cx=np.array(course.cx),
-        cy=np.array(course.cy),
-        radius=np.array(course.radius),
+        cx=np.array(layout.cx),
+        cy=np.array(layout.cy),
+        radius=np.array(layout.radius),
         x=x,
         y=y,
-        pinned=np.array(course.pinned, bool),
+        pinned=np.array(layout.pinned, bool),
         gx=to_grid(x),
         gy=to_grid(y),
         done=np.where(ints["turn"] != 0, -1, 2),
@@ -306,7 +306,7 @@ def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> None:
         s.done[touched] = np.where(s.turn[touched] != 0, -1, 2)
 
 
-def _chords_over_limit(s: _State, course: Course, rules: Rules) -> list[Diagnostic]:
+def _chords_over_limit(s: _State, layout: Layout, rules: Rules) -> list[Diagnostic]:
     rows = np.flatnonzero((s.turn != 0) & (s.radius > rules.arc_um - 2))
     if not len(rows):
         return []
@@ -319,7 +319,7 @@ def _chords_over_limit(s: _State, course: Course, rules: Rules) -> list[Diagnost
                 "radius-over-limit",
                 "an arc of radius {radius_mm:.3f} mm is over the format's limit of {most_mm:.3f} "
                 "mm: cut as {chords} chords within {within_um:g} um",
-                course.sources[s.source[k]] if s.source[k] >= 0 else None,
+                layout.sources[s.source[k]] if s.source[k] >= 0 else None,
                 radius_mm=float(s.radius[k]) / rules.per_mm,
                 most_mm=rules.arc_um / rules.per_mm,
                 chords=n,
@@ -551,7 +551,7 @@ def _split(s: _State, bad: Ints) -> None:
 
 
 def _blocks(
-    s: _State, course: Course, plan: Plan, rules: Rules
+    s: _State, layout: Layout, plan: Plan, rules: Rules
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program: blocks of all groups, with the control records between them."""
     found: list[Diagnostic] = []
@@ -613,18 +613,18 @@ def _blocks(
                 m_axis, m_count = rules.stepping.line_count(np.array([mx]), np.array([my]))
                 move["axis"], move["count"] = m_axis, m_count
                 parts += [move, _control(Kind.PAUSE)]
-        for n, group in enumerate(course.cut_groups[index]):
+        for n, group in enumerate(layout.cut_groups[index]):
             if n:
                 parts.append(_control(Kind.PAUSE))
             first, last = np.searchsorted(groups, [group, group + 1])
             body = blocks[order[first:last]]
-            parts.append(_never_alone(body, rules))
+            parts.append(_split_alone(body, rules))
     parts.append(_control(Kind.STOP))
     start = plan.cuts[0].thread
     if any(d.code == "move-too-long" for d in found):
         return None, found
     return (
-        Program(np.concatenate(parts), start, tuple(course.sources), step_um=rules.step_um),
+        Program(np.concatenate(parts), start, tuple(layout.sources), step_um=rules.step_um),
         found,
     )
 
@@ -635,7 +635,7 @@ def _control(kind: Kind) -> NDArray[np.void]:
     return block
 
 
-def _never_alone(body: NDArray[np.void], rules: Rules) -> NDArray[np.void]:
+def _split_alone(body: NDArray[np.void], rules: Rules) -> NDArray[np.void]:
     """Write a single line between two D as two: alone it would be a move (2-3b.md)."""
     if len(body) != 1 or body["kind"][0] != Kind.LINE:
         return body

@@ -39,7 +39,7 @@ def beside(scenes: Sequence[Scene], cuts: Sequence[Cut]) -> list[Diagnostic]:
                 continue
             wire = cut.offset_um + cut.clearance_um
             path = measure.segments_of(cut.path.vertices, cut.path.closed)
-            i, j = pairs.overlapping(pairs.grown(boxes(path), wire), boxes(kept))
+            i, j = pairs.overlapping(pairs.grow(boxes(path), wire), boxes(kept))
             if not len(i):
                 continue
             near = gaps(path.take(i), kept.take(j))

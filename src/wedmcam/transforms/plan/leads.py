@@ -128,15 +128,15 @@ def lead(
     if found:
         return None, found
     free = [k for k in range(len(paths)) if k not in served]
-    result, along = _chosen(scene, free, lead_um)
+    result, along = _choose_leads(scene, free, lead_um)
     problems = [(k, _along_wall(paths[k], result[k])) for k in along]
     for number, thread in served.items():
         planned = paths[number]
         arrives = thread if planned.enter is None else (planned.enter.x, planned.enter.y)
-        result[number] = Threaded(_started(planned.path, arrives), thread, stated=stated[number])
+        result[number] = Threaded(_start_near(planned.path, arrives), thread, stated=stated[number])
     ordered = [result[k] for k in range(len(paths))]
     problems += _collisions(scene, ordered)
-    return ordered, [_cured(d, paths[k], words, k in served) for k, d in problems]
+    return ordered, [_with_cure(d, paths[k], words, k in served) for k, d in problems]
 
 
 class _Scene:
@@ -199,7 +199,7 @@ class _Scene:
 
     def met(self, lines: Segments) -> tuple[Ints, Ints, Floats]:
         """Return (line, segment of a path, distance along the line) of all crossings."""
-        i, j = pairs.overlapping(pairs.grown(seg.boxes(lines), 1e-3), self.boxes)
+        i, j = pairs.overlapping(pairs.grow(seg.boxes(lines), 1e-3), self.boxes)
         both = Segments(
             *(
                 np.concatenate([getattr(lines, name), getattr(self.segments, name)])
@@ -264,14 +264,14 @@ def _scrap_inside(planned: PlannedPath) -> bool:
 # --- the start of a path -------------------------------------------------------------------------
 
 
-def _started(path: Contour, at: tuple[float, float]) -> Contour:
+def _start_near(path: Contour, at: tuple[float, float]) -> Contour:
     """Return the path starting at its point nearest to ``at``; an open one at its nearer end."""
     v = path.vertices
     if not path.closed:
         ends = np.hypot(v["x"][[0, -1]] - at[0], v["y"][[0, -1]] - at[1])
         return path if ends[0] <= ends[1] else path.reversed()
     s = seg.of_rows(path.starts, path.ends)
-    return rotated(path, s, *_nearest(s, *at))
+    return start_at(path, s, *_nearest(s, *at))
 
 
 def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
@@ -295,7 +295,7 @@ def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
     return best, float(at[best])
 
 
-def rotated(
+def start_at(
     path: Contour, s: Segments, row: int, at: float, snap_um: float = SNAP_TO_VERTEX_UM
 ) -> Contour:
     """Return a closed path that starts on segment ``row`` at ``at`` um, split there if need be.
@@ -334,7 +334,7 @@ class _Ray:
     ny: float
 
 
-def _chosen(
+def _choose_leads(
     scene: _Scene, numbers: Sequence[int], lead_um: float
 ) -> tuple[dict[int, Threaded], list[int]]:
     """Return leads that nobody stated (ruling 3), and of which paths they lie along a wall."""
@@ -348,9 +348,9 @@ def _chosen(
             path = (
                 path
                 if planned.enter is None
-                else _started(path, (planned.enter.x, planned.enter.y))
+                else _start_near(path, (planned.enter.x, planned.enter.y))
             )
-            result[number] = _before_open(path, _length(planned, lead_um))
+            result[number] = _lead_before(path, _length(planned, lead_um))
             continue
         s = scene.of(number)
         inward = measure.area(path.vertices) > 0
@@ -360,7 +360,7 @@ def _chosen(
             row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
             if planned.scrap_left is not None and planned.scrap_left == inward:
                 cx, cy = to_grid([s.cx[0], s.cy[0]]).tolist()
-                centred[number] = Threaded(rotated(path, s, 0, at), (cx, cy))
+                centred[number] = Threaded(start_at(path, s, 0, at), (cx, cy))
         else:
             middle_x, middle_y = seg.points_at(s, 0.5 * s.length)
             tied = np.flatnonzero(s.length >= s.length.max() - TIE_UM)
@@ -369,13 +369,15 @@ def _chosen(
             row = int(tied[order[0]])
             at = 0.5 * float(s.length[row])
         left = planned.scrap_left if planned.scrap_left is not None else not inward
-        rays.append(_ray(number, rotated(path, s, row, at), left))
+        rays.append(_ray(number, start_at(path, s, row, at), left))
     if centred:
-        blocked = _blocked(scene, centred)
+        blocked = _blocked_paths(scene, centred)
         result |= {k: threaded for k, threaded in centred.items() if k not in blocked}
     rays = [ray for ray in rays if ray.number not in result]
     own = np.array([_length(scene.paths[ray.number], lead_um) for ray in rays])
-    lengths, clear = _cleared(scene, rays, np.minimum(own, 0.5 * _free(scene, rays, 2.0 * own)))
+    lengths, clear = _keep_clear(
+        scene, rays, np.minimum(own, 0.5 * _free_lengths(scene, rays, 2.0 * own))
+    )
     for ray, length in zip(rays, lengths.tolist(), strict=True):
         x, y = to_grid([ray.x + ray.nx * length, ray.y + ray.ny * length]).tolist()
         result[ray.number] = Threaded(ray.path, (x, y), True)
@@ -415,7 +417,7 @@ def _headings(s: Segments) -> tuple[tuple[float, float], tuple[float, float]]:
     return (-back[0], -back[1]), out
 
 
-def _cleared(
+def _keep_clear(
     scene: _Scene, rays: Sequence[_Ray], lengths: Floats
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Return lengths at which thread points keep clear of all paths, and where there is one."""
@@ -447,7 +449,7 @@ def _along_wall(planned: PlannedPath, threaded: Threaded) -> Diagnostic:
     )
 
 
-def _cured(finding: Diagnostic, planned: PlannedPath, words: str, threaded: bool) -> Diagnostic:
+def _with_cure(finding: Diagnostic, planned: PlannedPath, words: str, threaded: bool) -> Diagnostic:
     """Return a finding about a lead with what helps.
 
     That is to move what was stated of it, or to state where it is threaded.
@@ -468,7 +470,7 @@ def _length(planned: PlannedPath, usual: float) -> float:
     return usual if planned.lead_um is None else planned.lead_um
 
 
-def _blocked(scene: _Scene, leads: dict[int, Threaded]) -> set[int]:
+def _blocked_paths(scene: _Scene, leads: dict[int, Threaded]) -> set[int]:
     """Return the paths whose lead crosses another path."""
     numbers = list(leads)
     lines = _leads_as_lines([leads[k] for k in numbers])
@@ -483,7 +485,7 @@ def _leads_as_lines(leads: Sequence[Threaded]) -> Segments:
     return _lines(thread[:, 0], thread[:, 1], x1, y1)
 
 
-def _before_open(path: Contour, lead_um: float) -> Threaded:
+def _lead_before(path: Contour, lead_um: float) -> Threaded:
     """Return an open path with a lead along its own direction, from before its first end."""
     v = path.vertices
     one = seg.of_rows(path.starts[:1], path.ends[:1])
@@ -496,7 +498,7 @@ def _before_open(path: Contour, lead_um: float) -> Threaded:
 _RAY = ("x", "y", "nx", "ny")
 
 
-def _free(scene: _Scene, rays: Sequence[_Ray], reach: Floats) -> Floats:
+def _free_lengths(scene: _Scene, rays: Sequence[_Ray], reach: Floats) -> Floats:
     """Return how far each ray runs until it meets a path, at most its ``reach``.
 
     What meets at its own start is not met: the segments next to it, within `LEAVES_UM`.

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, EntityRef, Place, error
 from wedmcam.geom import crossings, measure
 from wedmcam.geom import segments as seg
-from wedmcam.geom.pairs import grown, overlapping, self_overlapping
+from wedmcam.geom.pairs import grow, overlapping, self_overlapping
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import Sketch
@@ -44,7 +44,7 @@ MOST_SAID = 100
 NAMED_HANDLES = 5
 
 
-def held(
+def unread_outlines(
     sketch: Sketch, contours: Sequence[Contour], join_um: float, offset_um: float
 ) -> tuple[Diagnostic, ...]:
     """Return an error for each kind of unread boundary that could be an outline.
@@ -70,13 +70,13 @@ def held(
         return ()
     group = np.full(len(source), -1)
     group[loose] = _groups(bounds.take(loose), source[loose], within)
-    asked = _Contours(contours, within)
-    found: dict[tuple[str, str], list[_Held]] = {}
+    read = _Contours(contours, within)
+    found: dict[tuple[str, str], list[_Outline]] = {}
     for mine, there in zip(_each(group), _each(group[places.row]), strict=True):
-        if any(len(some) >= MOST_SAID for some in found.values()):
+        if any(len(outlines) >= MOST_SAID for outlines in found.values()):
             break
         one = _Group(bounds.take(mine), source[mine], places.x[there], places.y[there])
-        why = asked.why(one, 2.0 * offset_um)
+        why = read.why(one, 2.0 * offset_um)
         if why is not None:
             kind, contour = why
             far = ~drawn[there]
@@ -85,13 +85,13 @@ def held(
             named = unread.sources[int(of[k])]
             more = len(set(source[mine].tolist())) - 1
             found.setdefault((named.dxftype, kind), []).append(
-                _Held(named, one.box, more, kind, contour, at, not far.all())
+                _Outline(named, one.box, more, kind, contour, at, not far.all())
             )
-    return tuple(_said(some) for some in found.values())
+    return tuple(_finding(outlines) for outlines in found.values())
 
 
 @dataclass(frozen=True, slots=True)
-class _Held:
+class _Outline:
     """An unread boundary that could be an outline, and why.
 
     ``kind`` and ``contour``: see `_Contours.why`; ``at``: where nothing draws it.
@@ -106,9 +106,9 @@ class _Held:
     partly: bool
 
 
-def _said(some: list[_Held]) -> Diagnostic:
+def _finding(outlines: list[_Outline]) -> Diagnostic:
     """Return one finding about boundaries of one type that are refused for one reason."""
-    first = some[0]
+    first = outlines[0]
     ref, (x0, y0, x1, y1) = first.ref, first.box
     finding = error(
         "unsupported-entity",
@@ -118,10 +118,10 @@ def _said(some: list[_Held]) -> Diagnostic:
         ref,
         hint="draw it as lines or a polyline; if it bounds nothing, leave it out with "
         "--ignore-type {quoted_type}, or its layer with --ignore-layer",
-        points_mm=tuple(h.at for h in some[:100]),
-        count=len(some),
+        points_mm=tuple(h.at for h in outlines[:100]),
+        count=len(outlines),
         type=ref.dxftype,
-        quoted_type=_quoted(ref.dxftype),
+        quoted_type=_quote(ref.dxftype),
         handle=_handle(ref),
         layer=ref.layer,
         touching=first.more,
@@ -145,13 +145,13 @@ def _said(some: list[_Held]) -> Diagnostic:
             if first.kind == "across"
             else ", and it lies in the contour at {contour}"
         )
-    more = len(some) - 1
+    more = len(outlines) - 1
     if not more:
         return finding
-    named = [_handle(h.ref) for h in some[1 : NAMED_HANDLES + 1]]
+    named = [_handle(h.ref) for h in outlines[1 : NAMED_HANDLES + 1]]
     finding = finding.extended(
         "; likewise at least {likewise} more ({named}"
-        if len(some) >= MOST_SAID
+        if len(outlines) >= MOST_SAID
         else "; likewise {likewise} more ({named}",
         likewise=more,
         named=named,
@@ -165,7 +165,7 @@ def _handle(ref: EntityRef) -> str:
     return "#" + "/".join((*ref.via, ref.handle))
 
 
-def _quoted(name: str) -> str:
+def _quote(name: str) -> str:
     return f"'{name}'" if set(name) & set(" ()*?$&;") else name
 
 
@@ -205,10 +205,10 @@ def _near(x: Floats, y: Floats, s: Segments, within: float) -> Bools:
         i, j = np.divmod(np.arange(len(x) * len(s)), len(s))
         far = seg.distances(s.take(j), x[i], y[i])
         return np.asarray((far <= within).reshape(len(x), len(s)).any(axis=1))
-    boxes = grown(seg.boxes(s), within)
+    boxes = grow(seg.boxes(s), within)
     # As many points at once as their pairs allow, by the mean of some of them.
-    some = np.linspace(0, len(x) - 1, min(len(x), 1 + SOME_PAIRS // len(s))).astype(np.int64)
-    sx, sy = x[some, None], y[some, None]
+    sample = np.linspace(0, len(x) - 1, min(len(x), 1 + SOME_PAIRS // len(s))).astype(np.int64)
+    sx, sy = x[sample, None], y[sample, None]
     met = (boxes[0] <= sx) & (sx <= boxes[2]) & (boxes[1] <= sy) & (sy <= boxes[3])
     step = 1 + int(AT_ONCE / (1.0 + met.sum(axis=1).mean()))
     for k in range(0, len(x), step):
@@ -224,7 +224,7 @@ def _near(x: Floats, y: Floats, s: Segments, within: float) -> Bools:
 
 def _groups(s: Segments, source: Ints, within: float) -> Ints:
     """Return for each segment the least source that its own is connected with."""
-    i, j = self_overlapping(grown(seg.boxes(s), 0.5 * within))
+    i, j = self_overlapping(grow(seg.boxes(s), 0.5 * within))
     other = source[i] != source[j]
     i, j = i[other], j[other]
     meet = np.zeros(len(i), np.bool_)
@@ -290,7 +290,7 @@ def _is_loop(s: Segments) -> bool:
     if len(x) <= MOST_PROBES:
         i, j = np.nonzero(np.triu(np.hypot(x - x[:, None], y - y[:, None]) <= FLOAT_UM, 1))
     else:
-        i, j = self_overlapping(grown((x, y, x, y), FLOAT_UM))
+        i, j = self_overlapping(grow((x, y, x, y), FLOAT_UM))
     if len(set(i.tolist()) | set(j.tolist())) < len(x):
         return False
     return not _connected(len(s), i % len(s), j % len(s)).any()
@@ -378,7 +378,7 @@ class _Contours:
             if side is None or reason is not None or not one.is_wider(wide + FLOAT_UM):
                 continue
             if not lies_in:
-                lies_in, lies_out = side(*_thinned(one.x, one.y), near)
+                lies_in, lies_out = side(*_thin(one.x, one.y), near)
             if lies_in:
                 reason = "across" if lies_out else "in", self._corner(k)
         if reason is None and self._none_closed:
@@ -392,13 +392,13 @@ class _Contours:
             s = measure.segments_of(contour.vertices, contour.closed)
             mx, my = measure.middles(s)
             x, y = np.concatenate([s.x0, mx, s.x1[-1:]]), np.concatenate([s.y0, my, s.y1[-1:]])
-            self._known[k] = (_Side(s) if contour.closed else None, *_thinned(x, y))
+            self._known[k] = (_Side(s) if contour.closed else None, *_thin(x, y))
         return self._known[k]
 
     def _corner(self, k: int) -> Place:
         return Place.of_um(self._boxes[k, 0], self._boxes[k, 1])
 
 
-def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+def _thin(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     every = max(1, -(-len(x) // MOST_PROBES))
     return x[::every], y[::every]

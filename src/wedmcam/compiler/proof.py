@@ -62,7 +62,7 @@ class _Judged:
 
 
 def given_points(drawn: Drawn, options: Options) -> tuple[tuple[float, float], ...]:
-    """Return the thread points that somebody gave, um: in the source, and as options."""
+    """Return the thread points of the source and of the options, um."""
     threads = [(p.x, p.y) for p in drawn.sketch.thread_points]
     return (*threads, *options.starts_um)
 
@@ -95,8 +95,8 @@ def placed(
         notes += _other_start(best.program, threads)
     lost = len(best.verdict.cuts) < len(plan.cuts)
     if not how.ours and lost and has_errors(best.found):
-        # A contour that lies nowhere says little. Followed in the plan's order, the first block
-        # that leaves it does, if the program is one of this plan at all.
+        # A contour that was not found tells us little. Followed in the plan's order, the first
+        # block that leaves it tells more, if the program is one of this plan at all.
         strict = at(best.program.origin, strict=True)
         if len(strict.verdict.cuts) == len(plan.cuts):
             best = strict

@@ -1,4 +1,4 @@
-"""How many findings are told: of each kind the first, and how many more there are.
+"""How many findings are shown: of each kind the first, and how many more there are.
 
 A drawing of 100,000 thread points beside one circle has 100,000 errors of one kind. Whoever mends
 it reads the first few; a terminal, a certificate and the memory of the process need not hold the

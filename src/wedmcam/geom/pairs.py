@@ -15,7 +15,7 @@ from wedmcam.geom.segments import Floats, Ints
 
 Boxes = tuple[Floats, Floats, Floats, Floats]
 
-#: Pairs that are looked at together where nobody says how many: as many as there are.
+#: Pairs that are looked at together where no number is given: as many as there are.
 ALL = 2**62
 
 

@@ -5,8 +5,8 @@ A contour is what a wire can follow: a closed loop, or an open chain. The result
 geometry alone: shuffled or reversed entities give the same contours, bit by bit.
 
 In here, as in graph theory: a *node* is a place where ends meet, its *degree* how many; a node of
-degree 1 is a *loose* end; one of odd degree from 3 on is a *branch*, at which nobody can say how
-the contour goes on. At a node of degree 4, 6, ... loops touch: they are told apart where there is
+degree 1 is a *loose* end; one of odd degree from 3 on is a *branch*, where it is open how the
+contour goes on. At a node of degree 4, 6, ... loops touch: they are told apart where there is
 only one way to do so, which is where every segment belongs to at most one loop (a *cactus*).
 """
 

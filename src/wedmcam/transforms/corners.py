@@ -52,7 +52,7 @@ def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, li
     t0x, t0y = seg.start_tangents(s)
     cross = t1x * t0y[nxt] - t1y * t0x[nxt]
     dot = t1x * t0x[nxt] + t1y * t0y[nxt]
-    # A full reversal turns to where the way back lies: what bends tells.
+    # At a full reversal the sign comes from the bends.
     bend = s.turn / np.where(s.turn != 0, s.radius, 1.0)
     back = (dot < 0) & (np.abs(cross) < 1e-6)
     cross = np.where(back, -(bend + bend[nxt]), cross)

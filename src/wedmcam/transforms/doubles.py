@@ -168,7 +168,7 @@ def _slits(rows: Rows, gone: NDArray[np.int64], original: dict[int, int]) -> lis
 def _slit_findings(
     ahead: Rows, slits: list[int], sources: tuple[Span, ...]
 ) -> tuple[Diagnostic, ...]:
-    """Return a warning about sides of one entity of which one is left out."""
+    """Return a warning about pairs of sides of one entity: one of each is left out."""
     if not slits:
         return ()
     first = ahead[slits[0]]

@@ -178,7 +178,7 @@ def _frame(
         )
     else:
         frame = frame.extended(
-            ", of which the one at {title} is a title block, written in",
+            "; the one at {title} is a title block, written in",
             title=Place.of_um(*boxes[titles[0]][:2]),
         )
     return frame.extended(

@@ -1,7 +1,7 @@
 """Which ends meet: exactly, but for float noise, or but for a gap that may be closed.
 
 Ends meet by distance, never by rounding: a rounded coordinate splits two ends that lie on either
-side of a half. Only ends that meet nobody exactly look for a neighbour, nearest pair first, and
+side of a half. Only ends that meet no other exactly look for a neighbour, nearest pair first, and
 each gets one: a row of ends, each within the tolerance of the next, does not collapse into a point.
 The tolerance is a length in um and knows nothing of the size of the drawing.
 """

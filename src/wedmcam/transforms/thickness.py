@@ -100,14 +100,14 @@ def thin_walls(
     """Return a warning for each wall, fin or neck of kept material below a thickness.
 
     Tips are none, however acute, sharp or cut off by a chamfer or a fillet: two stretches that meet
-    at a corner, or would. A wall of which a clearance leaves less than `WALL_UM` is an error.
+    at a corner, or would. A wall is an error where a clearance leaves less than `WALL_UM` of it.
 
     Args:
         contours: closed ones of one part.
         part: what an odd number of them encloses is kept; False: the rest is.
         below_um: no wall is thinner on purpose; 0 for no warnings.
         numbers: of the contours, for ``close_pairs``.
-        said: pairs of numbers, the lower first, of which it was said already.
+        close_pairs: pairs of numbers, the lower first, that have a finding already.
         taken: for each contour, how far behind it the kept material begins; empty for nowhere.
     """
     behind = np.array(taken) if any(taken) else np.zeros(len(contours))
@@ -159,7 +159,7 @@ def thin_walls(
         )
         if lost[k]:
             wall = wall.extended(
-                ", of which the clearance takes {clearance_mm:.3f} mm",
+                "; the clearance takes {clearance_mm:.3f} mm of it",
                 clearance_mm=float(lost[k]) / 1000,
             )
         found.append(wall)

@@ -137,7 +137,7 @@ def _alike(extents: Sequence[Floats]) -> list[tuple[int, int]]:
 def _finding(
     a: Contour, b: Contour, wall: bool, share: float, size: float, at: tuple[float, float]
 ) -> Diagnostic:
-    """Return what is to be said of two contours with a gap of ``size`` um at a place, um."""
+    """Return the finding about two contours with a gap of ``size`` um at a place, um."""
     place = Place.of_um(*at)
     spans = sorted((a.source_of(0), b.source_of(0)), key=str)
     twice = share >= MOST

@@ -96,7 +96,7 @@ class Compensated:
         inner_corners: how many sharp inner corners keep the radius of the wire.
         pockets: closed paths that run against their outline: beside the outside of a punch, a
             pocket behind a mouth too narrow for the wire. What they enclose is scrap that leaves
-            with the scrap around, and no wire gets there from outside; so nobody cuts them, and
+            with the scrap around, and no wire gets there from outside; so they are not cut, and
             the segments that only they reach count as left out.
     """
 

@@ -1,6 +1,6 @@
 """What of an outline that the wire passes over is one inner corner, and what is too narrow for it.
 
-A sharp inner corner keeps the radius of the wire, and that is a note: nobody can cut it otherwise.
+A sharp inner corner keeps the radius of the wire, and that is a note: it cannot be cut otherwise.
 The same corner with its tip cut off by a chamfer keeps less than that: the chamfer lies between the
 corner and the wire, so what stays in front of it is within what the sharp corner of the same angle
 would leave. It is judged as that corner. What else the wire leaves out is interference.

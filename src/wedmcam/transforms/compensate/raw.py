@@ -8,7 +8,7 @@ neighbours no longer meet, one of four things is true of the joint between them:
 - transition: the wire goes round the corner on an arc about it, an *element* of its own.
 - mitre: the shifted lines are prolonged to their crossing (``--convex sharp``).
 - free: they overlap (inner corner), or an arc between them vanished; a crossing found later joins
-  them, or somebody else.
+  them, or other elements.
 
 An *element* is a shifted segment or a transition arc. Elements of all contours stand in one array,
 in the order of travel.

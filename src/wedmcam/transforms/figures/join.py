@@ -1,7 +1,7 @@
 """Copies of open chains that meet become one chain: 36 slots are one closed contour.
 
 A chain keeps its direction and the order in which its copies were made. Where more than two ends
-meet nobody can say how the wire goes on, so nothing is joined there. What is left open when a ring
+meet it is open how the wire goes on, so nothing is joined there. What is left open when a ring
 of copies closes (the closing defect: angles that do not add up to a turn, digits of the arithmetic)
 is spread over all joints instead of being left to the last one; closure is exactly 0 then.
 """

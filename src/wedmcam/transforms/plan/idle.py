@@ -1,4 +1,4 @@
-"""Options that were asked for and have no effect on what is cut: that is said.
+"""Warnings on options that were given and have no effect on what is cut.
 
 Whoever gave them expects another program. Defaults of a shop are for every part: no wish of this
 one, and passed over.

@@ -30,7 +30,7 @@ SNAP_TO_VERTEX_UM = 5.0
 ROUNDED_UM = 1.0
 #: Ties of length within this are ties; um.
 TIE_UM = 1e-3
-#: A thread point that nobody stated is at least this share of its lead away from every path: the
+#: A thread point that we choose is at least this share of its lead away from every path: the
 #: lead lies along no wall. In a corner its lead halves the angle: one below 29 degrees is refused.
 CLEAR = 0.25
 #: A lead that is so near to its own path has arrived, um: what it meets there lies in one kerf.
@@ -75,7 +75,7 @@ def lead(
     Args:
         paths: closed or open paths, um.
         threads: thread points, um; the nearest whole um is used.
-        lead_um: length of a lead that nobody stated.
+        lead_um: length of a lead whose thread point is chosen here.
         only: for each thread point the numbers of the paths that it may serve.
         words: how a thread point is given, for hints.
     """
@@ -337,7 +337,7 @@ class _Ray:
 def _choose_leads(
     scene: _Scene, numbers: Sequence[int], lead_um: float
 ) -> tuple[dict[int, Threaded], list[int]]:
-    """Return leads that nobody stated (ruling 3), and of which paths they lie along a wall."""
+    """Return leads whose thread points we choose (ruling 3), and those that lie along a wall."""
     result: dict[int, Threaded] = {}
     rays: list[_Ray] = []
     centred: dict[int, Threaded] = {}
@@ -540,7 +540,7 @@ def across(
     Args:
         threaded: paths with their leads.
         outlines: a number for each, shared by the cuts of one outline.
-        plates: for each, of which plate it is.
+        plates: the plate of each.
         words: how a thread point is given, for hints.
     """
     paths = [PlannedPath(one.path, one.path, None, 0.0) for one in threaded]

@@ -36,7 +36,7 @@ class PlannedPath:
         offset_um: how far the path is from the outline towards scrap.
         contour: number of the outline; several paths may share one.
         parent: number of the outline directly around it, -1 for none.
-        lead_um: length of a lead that nobody stated; None for the usual one.
+        lead_um: length of the lead, where its thread point is chosen; None for the usual one.
         enter: where the lead arrives: at the point of the path nearest to this, um, and where
             that was stated; None for the point nearest to the thread point.
     """

@@ -73,7 +73,7 @@ def scenes_of(
 ) -> tuple[list[PieceScene], list[Diagnostic]]:
     """Return the contours in groups that can be one part, and the rest each alone.
 
-    A cut of which the nesting is known is one part as it is.
+    A cut whose nesting is known is one part as it is.
     """
     if not pieces:
         return [], []

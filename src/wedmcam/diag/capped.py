@@ -28,13 +28,13 @@ POINTS = 200
 Kind = tuple[Severity, str]
 
 
-def capped(found: Iterable[Diagnostic]) -> list[Diagnostic]:
+def capped(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Return findings with at most `KEPT` of a kind, and one more that counts the others.
 
     Equal ones (same code, place and sentence) count as one. Their order stays; capping twice is
     capping once, and what comes later is counted by the same last finding.
     """
-    every = [_with_few_places(d) for d in found]
+    every = [_with_few_places(d) for d in findings]
     sizes = Counter((d.severity, d.code) for d in every)
     if all(size <= KEPT for size in sizes.values()):
         return every

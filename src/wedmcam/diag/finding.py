@@ -173,6 +173,6 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def has_errors(found: Iterable[Diagnostic]) -> bool:
+def has_errors(findings: Iterable[Diagnostic]) -> bool:
     """Return whether any finding is an error."""
-    return any(d.severity is Severity.ERROR for d in found)
+    return any(d.severity is Severity.ERROR for d in findings)

@@ -116,7 +116,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         )
     closed, opened, found_branches, branches = _walk(joints, sources)
     contours, placed = _contours(joints, closed, opened, rings, sources)
-    found = (*found_dropped, *found_shut, *found_copies, *found_joins, *found_branches)
+    findings = (*found_dropped, *found_shut, *found_copies, *found_joins, *found_branches)
     report = ChainReport(
         closed=sum(c.closed for c in contours),
         open=sum(not c.closed for c in contours),
@@ -126,7 +126,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         duplicates=copies,
         zero_length=dropped,
     )
-    return contours, report, with_linetypes((*found, *meetings(placed, sources)))
+    return contours, report, with_linetypes((*findings, *meetings(placed, sources)))
 
 
 def _full(rows: Rows) -> Rows:
@@ -173,8 +173,8 @@ def _walk(
     if not (degree > 2).any():
         return closed, runs, (), 0
     more, opened, bad = _untangle(runs, node.tolist(), degree)
-    found = _branch_findings(bad, joints, at, first, degree, sources)
-    return closed + more, opened, found, len(bad)
+    findings = _branch_findings(bad, joints, at, first, degree, sources)
+    return closed + more, opened, findings, len(bad)
 
 
 def _untangle(
@@ -277,7 +277,7 @@ def _branch_findings(
     sources: tuple[Span, ...],
 ) -> tuple[Diagnostic, ...]:
     """Return one error for each place in ``bad``, up to `LISTED`."""
-    found = []
+    findings = []
     for v in bad[:LISTED].tolist():
         where = Place.of_um(joints.x[v], joints.y[v])
         rows = at[first[v] : first[v] + degree[v]] // 2
@@ -308,11 +308,11 @@ def _branch_findings(
             branch = branch.extended(
                 "; one of them is the closing segment of {polylines}, whose closed flag is set"
             )
-        found.append(branch)
+        findings.append(branch)
     if len(bad) > LISTED:
         more = len(bad) - LISTED
-        found.append(error("branch", "segments branch at {count} further places", count=more))
-    return tuple(found)
+        findings.append(error("branch", "segments branch at {count} further places", count=more))
+    return tuple(findings)
 
 
 def _name(span: Span) -> str:
@@ -479,13 +479,13 @@ def open_contour_findings(
             pieces.append(_piece(c))
     loose = [e for pair in ends for e in pair]
     xy = np.array([(e.x, e.y) for e in loose]).reshape(-1, 2)
-    found = []
+    findings = []
     for at, ((first, last), piece) in enumerate(zip(ends[:LISTED], pieces, strict=False)):
         gap = math.hypot(last.x - first.x, last.y - first.y)
         nearest = [_nearest(xy, 2 * at + side, piece is not None) for side in (0, 1)]
         needed = max(d for _, d in nearest)
         if piece is not None and min(d for _, d in nearest) > PROPOSED_UM:
-            found.append(_loose_piece(piece, first, last))
+            findings.append(_loose_piece(piece, first, last))
             continue
         notes = []
         for end, (other, d) in zip((first, last), nearest, strict=True):
@@ -494,7 +494,7 @@ def open_contour_findings(
                 text = f"the loose end nearest to {end.place:xy} is at {near.place}, "
                 notes.append((f"{text}{d / 1e3:.3f} mm away", near.span))
         notes.append((f"the other end is at {last.place}", last.span))
-        found.append(
+        findings.append(
             error(
                 "open-contour",
                 "open contour: its ends {first:xy} and {last} are {gap_mm:.3f} mm apart; "
@@ -516,8 +516,8 @@ def open_contour_findings(
         )
     if len(ends) > LISTED:
         more = len(ends) - LISTED
-        found.append(error("open-contour", "{count} further contours are open", count=more))
-    return with_linetypes(found)
+        findings.append(error("open-contour", "{count} further contours are open", count=more))
+    return with_linetypes(findings)
 
 
 @dataclass(frozen=True, slots=True)

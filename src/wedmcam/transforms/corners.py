@@ -32,12 +32,12 @@ def round_corners(
     Inner and outer corners alike; tangent joints stay. The arc takes the source of the segment
     before it. A corner whose neighbours are too short for the arc is an error that names it.
     """
-    result, found = [], []
+    result, findings = [], []
     for contour in contours:
         rounded, problems = _round(contour, radius_um, arithmetic)
         result.append(rounded)
-        found += problems
-    return result, found
+        findings += problems
+    return result, findings
 
 
 def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, list[Diagnostic]]:

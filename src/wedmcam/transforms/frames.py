@@ -56,7 +56,7 @@ def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
     for k, parent in enumerate(parents):
         if contours[k].closed:
             children.setdefault(parent, []).append(k)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     frames = set()
     for k in children.get(-1, ()):
         inner = children.get(k, [])
@@ -68,10 +68,10 @@ def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
         )
         if parts or titles:
             frames.add(k)
-            found.append(_frame(nesting, k, boxes, parts, titles))
-    if len(found) > FRAMES:
-        more = len(found) - FRAMES
-        found[FRAMES:] = [
+            findings.append(_frame(nesting, k, boxes, parts, titles))
+    if len(findings) > FRAMES:
+        more = len(findings) - FRAMES
+        findings[FRAMES:] = [
             warning("drawing-frame", "{count} further rectangles like these", count=more)
         ]
     deep = [
@@ -80,8 +80,8 @@ def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
         if depth > 1 and contours[k].closed and _outermost(k, parents) not in frames
     ]
     if deep:
-        found.append(_deep(nesting, deep, boxes))
-    return tuple(found)
+        findings.append(_deep(nesting, deep, boxes))
+    return tuple(findings)
 
 
 def _outermost(k: int, parents: Sequence[int]) -> int:
@@ -192,7 +192,7 @@ def _deep(nesting: Nesting, deep: Sequence[int], boxes: Floats) -> Diagnostic:
     depth = nesting.depths[worst]
     width, height = _size_mm(boxes[worst])
     leave, take = _by_layers(nesting, deep)
-    found = warning(
+    finding = warning(
         "deep-nesting",
         "the contour of {width_mm:.3f} x {height_mm:.3f} mm at {place} lies {deep} deep "
         "({roles}, ...)"
@@ -213,8 +213,8 @@ def _deep(nesting: Nesting, deep: Sequence[int], boxes: Floats) -> Diagnostic:
     )
     if len(deep) > 1:
         roles = counted(Role.of(True, nesting.depths[k]) for k in deep)
-        found = found.extended("; {all_roles} lie so", all_roles=roles)
-    return found.extended(": every island is a part of its own, which comes loose")
+        finding = finding.extended("; {all_roles} lie so", all_roles=roles)
+    return finding.extended(": every island is a part of its own, which comes loose")
 
 
 def _marks(nesting: Nesting, those: Sequence[int]) -> tuple[tuple[float, float], ...]:

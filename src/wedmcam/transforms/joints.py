@@ -92,11 +92,11 @@ def join(
     node = target[node]
     # Places that a join moved are no node of before: they follow from target via px, py.
     ends = node.reshape(2, m).T
-    moved, belly, found = _move_ends(rows, sources, ends, px, py, join_um)
+    moved, belly, findings = _move_ends(rows, sources, ends, px, py, join_um)
     shift = max([gap.um / 2 for gap in gaps], default=0.0)
     if gaps:
-        found = (_gaps_closed(rows, sources, px, py, gaps), *found)
-    return Joints(moved, ends, px, py, len(gaps), max(shift, belly)), found
+        findings = (_gaps_closed(rows, sources, px, py, gaps), *findings)
+    return Joints(moved, ends, px, py, len(gaps), max(shift, belly)), findings
 
 
 def _cluster(target: Ints, i: Ints, j: Ints, by_line: NDArray[np.bool_]) -> None:
@@ -169,7 +169,7 @@ def _gaps_closed(
     listed = [gap for gap in gaps if gap.um >= LISTED_UM]
     few = len(gaps) - len(listed)
     places = sorted((Place.of_um(px[gap.kept], py[gap.kept]), gap) for gap in listed)
-    found = note(
+    finding = note(
         "join",
         "1 gap between ends closed" if len(gaps) == 1 else "{count} gaps between ends closed",
         notes=tuple(
@@ -181,12 +181,12 @@ def _gaps_closed(
     )
     if listed:
         largest = max(gap.um for gap in gaps)
-        found = found.extended(", the largest {largest_mm:.3f} mm", largest_mm=largest / 1e3)
+        finding = finding.extended(", the largest {largest_mm:.3f} mm", largest_mm=largest / 1e3)
     if few:
-        found = found.extended(
+        finding = finding.extended(
             "; {few} of them under {least_mm:.3f} mm", few=few, least_mm=LISTED_UM / 1e3
         )
-    return found
+    return finding
 
 
 def _move_ends(
@@ -207,10 +207,10 @@ def _move_ends(
     # Counter-clockwise, whatever way it was drawn: direction must not change a digit.
     cx, cy, belly = _refit(columns(_ccw(rows[arc])), _ccw(out[arc]), shift[arc])
     out["cx"][arc], out["cy"][arc] = cx, cy
-    found = []
+    findings = []
     for k in np.flatnonzero(belly > BELLY * join_um).tolist():
         start = Place.of_um(out["x0"][arc[k]], out["y0"][arc[k]])
-        found.append(
+        findings.append(
             error(
                 "join-moves-arc",
                 "closing a gap of {gap_mm:.3f} mm at the arc that starts at {start} would move "
@@ -223,7 +223,7 @@ def _move_ends(
                 moved_mm=float(belly[k]) / 1e3,
             )
         )
-    return out, float(belly.max()), tuple(found)
+    return out, float(belly.max()), tuple(findings)
 
 
 def _ccw(rows: Rows) -> Rows:

@@ -120,9 +120,9 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
         return ()
     s = columns(placed.rows)
     met, complete = _met(placed, s)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if not complete and not met.many:
-        found.append(
+        findings.append(
             error(
                 "too-large",
                 "more than {most:,} pairs of segments lie over each other: the drawing is too "
@@ -137,15 +137,15 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
     over_pairs, pairs_of_hits = _sorted_pairs(*owners), _sorted_pairs(*pairs)
     crossing = [pairs_of_hits[k] for k in np.flatnonzero(cross).tolist()]
     twice, errors = _twice(placed, sources, s, over_pairs, crossing)
-    found += errors
+    findings += errors
     once = np.array([p not in twice for p in over_pairs], bool)
     i, j, x, y, along = (v[once] for v in on_top)
-    found += _overlaps(placed, sources, i, j, x, y, along, complete=complete)
+    findings += _overlaps(placed, sources, i, j, x, y, along, complete=complete)
     of_twice = np.array([p in twice for p in pairs_of_hits], bool)
-    found += _crossings(placed, sources, hits, cross & ~of_twice, pairs, complete)
+    findings += _crossings(placed, sources, hits, cross & ~of_twice, pairs, complete)
     crossed = set(zip(*(np.sort(np.stack(pairs), axis=0)[:, cross]).tolist(), strict=True))
-    found += _touches(placed, sources, s, hits, ~cross, pairs, crossed)
-    return tuple(found)
+    findings += _touches(placed, sources, s, hits, ~cross, pairs, crossed)
+    return tuple(findings)
 
 
 class _Met(NamedTuple):
@@ -242,7 +242,7 @@ def _twice(
     their length.
     """
     crosses, meets = Counter(crossing), Counter([*over, *crossing])
-    twice, found = set(), []
+    twice, findings = set(), []
     likely = [
         (-times, pair)
         for pair, times in meets.items()
@@ -256,7 +256,7 @@ def _twice(
         twice.add((a, b))
         first, second = _two(placed, sources, int(one[0]), int(other[0]))
         outline = Place.of_um(s.x0[one[0]], s.y0[one[0]])
-        found.append(
+        findings.append(
             error(
                 "drawn-twice",
                 "two contours run beside each other, up to {apart_mm:.3f} mm apart, and meet "
@@ -270,14 +270,14 @@ def _twice(
                 outline=outline,
             )
         )
-    if len(found) > LISTED:
+    if len(findings) > LISTED:
         more = error(
             "drawn-twice",
             "{count} further pairs of contours seem to be one that is drawn twice",
-            count=len(found) - LISTED,
+            count=len(findings) - LISTED,
         )
-        found = [*found[:LISTED], more]
-    return twice, found
+        findings = [*findings[:LISTED], more]
+    return twice, findings
 
 
 def _closes(placed: Placed, rows: Ints) -> bool:
@@ -395,12 +395,12 @@ def _overlaps(
 
     ``complete``: there are no more of them than these.
     """
-    found = []
+    findings = []
     order = np.lexsort((steady(along), steady(x), steady(y)))
     for k in order[:LISTED].tolist():
         middle = Place.of_um(x[k], y[k])
         first, second = _two(placed, sources, int(i[k]), int(j[k]))
-        found.append(
+        findings.append(
             error(
                 "overlap",
                 "two segments run on top of each other for {length_mm:.3f} mm at {place}",
@@ -413,7 +413,7 @@ def _overlaps(
             )
         )
     if len(order) > LISTED:
-        found.append(
+        findings.append(
             error(
                 "overlap",
                 "{count} further pairs of segments run on top of each other"
@@ -422,7 +422,7 @@ def _overlaps(
                 count=len(order) - LISTED,
             )
         )
-    return found
+    return findings
 
 
 def _two(
@@ -511,7 +511,7 @@ def _crossings(
 
     ``complete``: there are no more of them than these.
     """
-    found = []
+    findings = []
     groups = _group_hits(hits, which, pairs)
     for (a, b), group in groups[:LISTED]:
         places = _places(hits, group)
@@ -531,9 +531,9 @@ def _crossings(
             crossing = crossing.extended(
                 ", and at {further} further places", further=len(places) - 1
             )
-        found.append(crossing)
+        findings.append(crossing)
     if len(groups) > LISTED:
-        found.append(
+        findings.append(
             error(
                 "crossing-contours",
                 "{count} further pairs cross"
@@ -542,7 +542,7 @@ def _crossings(
                 count=len(groups) - LISTED,
             )
         )
-    return found
+    return findings
 
 
 def _touches(
@@ -555,7 +555,7 @@ def _touches(
     crossed: set[tuple[int, int]],
 ) -> list[Diagnostic]:
     """Return one warning for each pair of contours that touch and do not cross."""
-    found = []
+    findings = []
     touching: dict[tuple[int, int], tuple[Place, int, int]] = {}
     for pair, group in _group_hits(hits, which, pairs):
         touching[pair] = _places(hits, group)[0], int(hits.i[group[0]]), int(hits.j[group[0]])
@@ -568,7 +568,7 @@ def _touches(
     )
     for y, x, (a, b), i, j in rest[:LISTED]:
         first, second = _two(placed, sources, i, j)
-        found.append(
+        findings.append(
             warning(
                 "contours-touch",
                 "a contour touches itself at {place}; nothing is left of the material there"
@@ -582,8 +582,8 @@ def _touches(
         )
     if len(rest) > LISTED:
         more = len(rest) - LISTED
-        found.append(warning("contours-touch", "contours touch at {count} more", count=more))
-    return found
+        findings.append(warning("contours-touch", "contours touch at {count} more", count=more))
+    return findings
 
 
 def _common_nodes(placed: Placed, s: Segments) -> list[tuple[tuple[int, int], Place, int, int]]:

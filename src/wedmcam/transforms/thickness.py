@@ -48,14 +48,14 @@ def specks(
     limit = np.maximum(kerf, SPECK_UM)
     small = np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1]) < limit
     small &= np.array([c.closed for c in contours])
-    found = []
+    findings = []
     for k in np.flatnonzero(small).tolist():
         size = _across(contours[k])
         small[k] = size < limit[k] - NOISE_UM
         if not small[k]:
             continue
         centre = Place.of_um(0.5 * (box[k, 0] + box[k, 2]), 0.5 * (box[k, 1] + box[k, 3]))
-        found.append(
+        findings.append(
             warning(
                 "speck",
                 "the contour at {place} is {size_mm:.4g} mm ({size_um:.4g} um) large, smaller than "
@@ -72,11 +72,11 @@ def specks(
                 cut_mm=float(limit[k]) / 1000,
             )
         )
-    if len(found) > LISTED:
-        more = len(found) - LISTED
+    if len(findings) > LISTED:
+        more = len(findings) - LISTED
         summary = warning("speck", "{count} further contours as small as these", count=more)
-        found = [*found[:LISTED], summary]
-    return found, small.tolist()
+        findings = [*findings[:LISTED], summary]
+    return findings, small.tolist()
 
 
 def _across(contour: Contour) -> float:
@@ -132,7 +132,7 @@ def thin_walls(
     step = max(1, POINT_SEGMENTS // len(s))
     chunks = [rows[k : k + step] for k in range(0, len(rows), step)]
     inside = np.concatenate([within(w.x[k], w.y[k]) for k in chunks])
-    found = []
+    findings = []
     for k in rows[inside == part].tolist():
         a, b = (int(n) for n in (w.i[k], w.j[k]))
         ca, cb = contours[owner[a]], contours[owner[b]]
@@ -162,13 +162,13 @@ def thin_walls(
                 "; the clearance takes {clearance_mm:.3f} mm of it",
                 clearance_mm=float(lost[k]) / 1000,
             )
-        found.append(wall)
-    if len(found) <= LISTED:
-        return found
-    make = error if any(d.severity is Severity.ERROR for d in found[LISTED:]) else warning
-    more = len(found) - LISTED
+        findings.append(wall)
+    if len(findings) <= LISTED:
+        return findings
+    make = error if any(d.severity is Severity.ERROR for d in findings[LISTED:]) else warning
+    more = len(findings) - LISTED
     return [
-        *found[:LISTED],
+        *findings[:LISTED],
         make("thin-wall", "{count} further walls as thin as these", count=more),
     ]
 

@@ -58,7 +58,7 @@ def thin(
         return [], set()
     s, first = measure.segments_of_all([(c.vertices, c.closed) for c in contours])
     owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
-    found: list[tuple[float, float, Diagnostic]] = []
+    findings: list[tuple[float, float, Diagnostic]] = []
     close_pairs: set[tuple[int, int]] = set()
     for (a, b), i, j in _pairs(s, owner, first):
         g = gaps(s.take(i), s.take(j))
@@ -66,7 +66,7 @@ def thin(
         one = parts is None or parts[a] == parts[b]
         least = int(np.argmin(g.size))
         if one and EXACT_UM < g.size[least] <= TOUCH_UM:
-            found.append(_touching(contours[a], contours[b], g, least))
+            findings.append(_touching(contours[a], contours[b], g, least))
         if not len(near):
             # Equal, or not near at all; or a polygon whose corners lie on the other outline.
             share, far = beside(s.take(owner == a), s.take(owner == b), TWICE_UM)
@@ -74,7 +74,7 @@ def thin(
                 close_pairs.add((a, b))
                 wall = one and keeps[a] is not None and keeps[b] is not None
                 at = float(g.x[least]), float(g.y[least])
-                found.append(
+                findings.append(
                     (at[1], at[0], _finding(contours[a], contours[b], wall, share, far, at))
                 )
             continue
@@ -86,12 +86,12 @@ def thin(
         share = beside(s.take(owner == a), s.take(owner == b), within)[0]
         if share >= MOST or (wall and not touch):
             close_pairs.add((a, b))
-            found.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
-    found.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
-    listed = [f[2] for f in found[:LISTED]]
-    if len(found) > LISTED:
-        more = len(found) - LISTED
-        make = error if any(f[2].severity is Severity.ERROR for f in found[LISTED:]) else warning
+            findings.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
+    findings.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
+    listed = [f[2] for f in findings[:LISTED]]
+    if len(findings) > LISTED:
+        more = len(findings) - LISTED
+        make = error if any(f[2].severity is Severity.ERROR for f in findings[LISTED:]) else warning
         listed.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
     return listed, close_pairs
 

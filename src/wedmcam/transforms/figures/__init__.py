@@ -69,17 +69,17 @@ def transformed(
         Closed contours keep their sense but for reflection, which turns it over.
     """
     figure, points = tuple(contours), tuple(threads)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if isinstance(transform, Sequence):
         for part in transform.transforms:
             made, more = transformed(figure, part, ar, points)
-            found += more
+            findings += more
             if made is None:
-                return None, found
+                return None, findings
             figure, points = made
-        return (figure, points), found
+        return (figure, points), findings
     if isinstance(transform, Reverse):
-        return (tuple(c.reversed() for c in reversed(figure)), points), found
+        return (tuple(c.reversed() for c in reversed(figure)), points), findings
     if isinstance(transform, With):
         return _with(figure, points, transform, ar)
     if isinstance(transform, Symmetry):
@@ -90,14 +90,14 @@ def transformed(
         most, copies = MOST_COPIES, transform.copies
         by = (transform.x, transform.y)
         motions = [Motion(shift=(k * by[0], k * by[1])) for k in _numbers(copies)]
-        found += _limits(figure, copies, most)
+        findings += _limits(figure, copies, most)
     else:
         most, copies = MOST_TURNS, transform.copies
         turn = Fraction(transform.degrees)
         motions = [Motion(turn * k % 360, about=transform.about) for k in _numbers(copies)]
-        found += _limits(figure, copies, most)
-    if found:
-        return None, found
+        findings += _limits(figure, copies, most)
+    if findings:
+        return None, findings
     keeps = getattr(transform, "copies", 0) > 0
     origin = whole_origin(figure)
     images = list(figure) if keeps else []
@@ -107,7 +107,7 @@ def transformed(
         images += moved(figure, motion, ar, copy, origin)
         spots += _moved_threads(points, motion, ar)
     if not keeps:
-        return (tuple(images), tuple(spots)), found
+        return (tuple(images), tuple(spots)), findings
     return _together(images, len(figure), spots, len(points), "copies")
 
 
@@ -149,15 +149,15 @@ def _with(
         isinstance(transform.transform, Translate | Rotate) and transform.transform.copies
     ):
         return transformed(figure, transform.transform, ar, points)  # keeps the figure by itself
-    made, found = transformed(figure, transform.transform, ar, points)
+    made, findings = transformed(figure, transform.transform, ar, points)
     if made is None:
-        return None, found
+        return None, findings
     image, spots = made
     if _turns_over(transform.transform):
         image = tuple(c.reversed() for c in reversed(image))
     image = tuple(Contour(c.vertices, c.closed, numbered(c.sources, 1)) for c in image)
     result, more = _together([*figure, *image], len(figure), [*points, *spots], len(points), "with")
-    return result, found + more
+    return result, findings + more
 
 
 def _turns_over(t: Transform) -> bool:

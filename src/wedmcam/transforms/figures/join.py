@@ -42,10 +42,10 @@ def join_chains(
     if not opened:
         return tuple(contours), ()
     other, crowded = _partners(contours, opened)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if crowded:
         places = tuple(Place.of_um(x, y) for x, y in crowded)
-        found.append(
+        findings.append(
             warning(
                 "figure-branch",
                 "more than two ends of chains meet at {places}; nothing is joined there",
@@ -72,8 +72,8 @@ def join_chains(
         out.append(merged.contour)
         joined.append(merged)
     if joined:
-        found.append(_joined_note(joined))
-    return tuple(out), tuple(found)
+        findings.append(_joined_note(joined))
+    return tuple(out), tuple(findings)
 
 
 def _partners(
@@ -258,7 +258,7 @@ def drop_repeats(
         return tuple(contours), ()
     at = contours[min(gone)].vertices
     first = Place.of_um(at["x"][0], at["y"][0])
-    found = warning(
+    findings = warning(
         "duplicate",
         "{transform}: 1 image lies on what is there already (within {within_mm:.3f} mm) and is "
         "left out, the first at {first}"
@@ -272,7 +272,7 @@ def drop_repeats(
         within_mm=COPY_UM / 1e3,
         first=first,
     )
-    return tuple(c for k, c in enumerate(contours) if k not in gone), (found,)
+    return tuple(c for k, c in enumerate(contours) if k not in gone), (findings,)
 
 
 def _same(a: Contour, b: Contour) -> bool:

@@ -142,11 +142,11 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     (errors), ``radius-over-limit`` (warning: chords), ``blocks-split`` and ``specks-dropped``
     (notes).
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     plan = in_steps(plan, rules.step_um)
     layout = lay_out(plan)
     s = _state(layout)
-    found += _chords_over_limit(s, layout, rules)
+    findings += _chords_over_limit(s, layout, rules)
     _split_long_lines(s, rules)
     _split_nearly_closed(s)
     budget = Budget()
@@ -163,7 +163,7 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     bad = np.flatnonzero(s.done == 0)
     if len(bad):
         k = int(bad[0])
-        found.append(
+        findings.append(
             error(
                 "cannot-lower",
                 "an arc near {place} has no stepped image within the budget of deviation",
@@ -172,9 +172,9 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
                 place=rules.place(s.x[s.v0[k]], s.y[s.v0[k]]),
             )
         )
-        return None, found
+        return None, findings
     if splits:
-        found.append(
+        findings.append(
             note(
                 "blocks-split",
                 "{arcs} arcs were split so that the path stays within {within_um:g} um",
@@ -184,9 +184,9 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
         )
     short = _short_marks(s, layout, plan, rules)
     if short:
-        return None, found + short
+        return None, findings + short
     program, more = _blocks(s, layout, plan, rules)
-    return program, found + more
+    return program, findings + more
 
 
 def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Diagnostic]:
@@ -194,7 +194,7 @@ def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Di
 
     A pause on the step of the thread point is the end of the cut, to the machine as to the judge.
     """
-    found = []
+    findings = []
     for name, index, vertex, others in layout.marks:
         x, y = int(s.gx[vertex]), int(s.gy[vertex])
         if all((x, y) != (int(s.gx[v]), int(s.gy[v])) for v in others):
@@ -202,7 +202,7 @@ def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Di
         cut, per = plan.cuts[index], rules.per_mm
         length = cut.stop_um if name == "stop" else cut.overcut_um
         end = rules.place(x, y)
-        found.append(
+        findings.append(
             error(
                 f"{name}-too-short",
                 "the stop of {length_mm:.3f} mm of cut {cut} is lost on the grid of the machine's "
@@ -219,7 +219,7 @@ def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Di
                 end=end,
             )
         )
-    return found
+    return findings
 
 
 def _state(layout: Layout) -> _State:
@@ -312,9 +312,9 @@ def _chords_over_limit(s: _State, layout: Layout, rules: Rules) -> list[Diagnost
         return []
     _, sweep = _sweeps(s, rows)
     step = 2 * np.arccos(1 - CHORD_SAG_UM / s.radius[rows])
-    found = []
+    findings = []
     for k, n in zip(rows.tolist(), np.ceil(sweep / step).astype(int).tolist(), strict=True):
-        found.append(
+        findings.append(
             warning(
                 "radius-over-limit",
                 "an arc of radius {radius_mm:.3f} mm is over the format's limit of {most_mm:.3f} "
@@ -340,7 +340,7 @@ def _chords_over_limit(s: _State, layout: Layout, rules: Rules) -> list[Diagnost
     away = np.hypot(px - s.x[v][:, None], py - s.y[v][:, None])
     best = np.argmin(np.abs(off - outwards[of][:, None]) + 0.02 * away, axis=1)
     s.gx[v], s.gy[v] = px[np.arange(len(v)), best], py[np.arange(len(v)), best]
-    return found
+    return findings
 
 
 def _split_long_lines(s: _State, rules: Rules) -> None:
@@ -554,7 +554,7 @@ def _blocks(
     s: _State, layout: Layout, plan: Plan, rules: Rules
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program: blocks of all groups, with the control records between them."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     per = rules.per_mm
     a, b = s.v0, s.v1
     dx, dy = s.gx[b] - s.gx[a], s.gy[b] - s.gy[a]
@@ -562,7 +562,7 @@ def _blocks(
     still = ~arc & (dx == 0) & (dy == 0)
     specks = still & (s.role == Role.CONTOUR) & (a != b)
     if specks.any():
-        found.append(
+        findings.append(
             note(
                 "specks-dropped",
                 "{segments} segments begin and end on one micron: no block of their own",
@@ -590,7 +590,7 @@ def _blocks(
             here = moves.end_of(before)
             mx, my = cut.thread[0] - here[0], cut.thread[1] - here[1]
             if rules.move_um is not None and max(abs(mx), abs(my)) > rules.move_um:
-                found.append(
+                findings.append(
                     error(
                         "move-too-long",
                         "the move from {here:xy} to the thread point {thread} is longer than one "
@@ -621,11 +621,11 @@ def _blocks(
             parts.append(_split_alone(body, rules))
     parts.append(_control(Kind.STOP))
     start = plan.cuts[0].thread
-    if any(d.code == "move-too-long" for d in found):
-        return None, found
+    if any(d.code == "move-too-long" for d in findings):
+        return None, findings
     return (
         Program(np.concatenate(parts), start, tuple(layout.sources), step_um=rules.step_um),
-        found,
+        findings,
     )
 
 

@@ -23,7 +23,7 @@ ROOM_UM = 0.5
 
 def beside(scenes: Sequence[Scene], cuts: Sequence[Cut]) -> list[Diagnostic]:
     """Return an error for each cut whose wire enters what is kept of another scene of its plate."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for number, scene in enumerate(scenes):
         if not scene.beside or scene.keeps is None:
             continue
@@ -50,8 +50,8 @@ def beside(scenes: Sequence[Scene], cuts: Sequence[Cut]) -> list[Diagnostic]:
             if met is not None:
                 (x, y), um = met, max(um, wire)
             if um > ROOM_UM:
-                found.append(_enters(cut, scene, closed[int(owner[j[k]])], x, y, um))
-    return found
+                findings.append(_enters(cut, scene, closed[int(owner[j[k]])], x, y, um))
+    return findings
 
 
 def _crossing(

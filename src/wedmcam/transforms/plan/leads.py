@@ -79,14 +79,14 @@ def lead(
         only: for each thread point the numbers of the paths that it may serve.
         words: how a thread point is given, for hints.
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     served: dict[int, tuple[int, int]] = {}
     stated: dict[int, ThreadPoint] = {}
     scene = _Scene(paths)
     for k, point in enumerate(threads):
-        if len(found) >= LISTED:
+        if len(findings) >= LISTED:
             more = len(threads) - k
-            found.append(
+            findings.append(
                 error(
                     "thread-point-unused",
                     "{count:,} further thread points were not looked at",
@@ -98,7 +98,7 @@ def lead(
         place = Place.of_um(x, y)
         number, problem = _serves(scene, x, y, only[k])
         if number is None:
-            found.append(
+            findings.append(
                 error(
                     "thread-point-unused",
                     "the thread point at {thread} serves no contour: {reason}",
@@ -110,7 +110,7 @@ def lead(
                 )
             )
         elif number in served:
-            found.append(
+            findings.append(
                 error(
                     "thread-point-twice",
                     "the thread point at {thread} is a second one for the contour already served "
@@ -125,8 +125,8 @@ def lead(
         else:
             served[number] = (x, y)
             stated[number] = point
-    if found:
-        return None, found
+    if findings:
+        return None, findings
     free = [k for k in range(len(paths)) if k not in served]
     result, along = _choose_leads(scene, free, lead_um)
     problems = [(k, _along_wall(paths[k], result[k])) for k in along]
@@ -544,16 +544,16 @@ def across(
         words: how a thread point is given, for hints.
     """
     paths = [PlannedPath(one.path, one.path, None, 0.0) for one in threaded]
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for plate in sorted(set(plates)):
         mine = [k for k, p in enumerate(plates) if p == plate]
         numbers = np.array([outlines[k] for k in mine])
         scene = _Scene([paths[k] for k in mine])
-        found += [
+        findings += [
             d.extended(hint="give a thread point ({way})", way=words)
             for _, d in _collisions(scene, [threaded[k] for k in mine], numbers)
         ]
-    return found
+    return findings
 
 
 def _collisions(
@@ -573,10 +573,10 @@ def _collisions(
     if outlines is not None:
         early &= (line == path) | (outlines[line] != outlines[path])
     order = np.lexsort((at[early], line[early]))
-    found: list[tuple[int, Diagnostic]] = []
+    findings: list[tuple[int, Diagnostic]] = []
     for k in np.flatnonzero(early)[order].tolist():
         number = int(line[k])
-        if found and found[-1][0] == number:
+        if findings and findings[-1][0] == number:
             continue  # the first hit of a lead says it
         share = float(at[k] / lines.length[number])
         x0, y0, x1, y1 = (float(getattr(lines, n)[number]) for n in ("x0", "y0", "x1", "y1"))
@@ -596,5 +596,5 @@ def _collisions(
             end=Place.of_um(x1, y1),
             place=met,
         )
-        found.append((number, finding))
-    return found
+        findings.append((number, finding))
+    return findings

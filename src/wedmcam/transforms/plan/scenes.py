@@ -87,15 +87,15 @@ def scenes_of(
         for p, depth in zip(free, depths, strict=True)
     ]
     scenes: list[PieceScene] = []
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for plate in sorted({cut.plate for cut in cuts}):
         sided = [p for p in pieces if p.outside is not None and cuts[p.cut].plate == plate]
         some, problems = _of_plate(cuts, sided)
         scenes += [replace(scene, plate=plate) for scene in some]
-        found += problems
+        findings += problems
     if any(cut.of_drawing for cut in cuts):
-        return _of_drawing([*scenes, *alone], cuts[0].starts), found
-    return [*scenes, *alone], found
+        return _of_drawing([*scenes, *alone], cuts[0].starts), findings
+    return [*scenes, *alone], findings
 
 
 def _of_plate(
@@ -104,20 +104,20 @@ def _of_plate(
     """Return contours of one piece of material in groups that can be one part."""
     if not sided:
         return [], []
-    found: list[Diagnostic] = list(contour_meetings(_once(sided)))
-    if has_errors(found):
-        return [], found
+    findings: list[Diagnostic] = list(contour_meetings(_once(sided)))
+    if has_errors(findings):
+        return [], findings
     nesting = _one_part(sided)
     if nesting is not None:
         groups = [(list(sided), nesting)]
     else:
-        groups, found = _groups(sided)
+        groups, findings = _groups(sided)
     scenes = []
     for group, nested in groups:
         some, problems = _one_scene(group, nested, cuts[group[0].cut].item.side)
         scenes += some
-        found += problems
-    return scenes, found
+        findings += problems
+    return scenes, findings
 
 
 def _of_drawing(scenes: Sequence[PieceScene], starts: Sequence[ThreadPoint]) -> list[PieceScene]:
@@ -161,13 +161,13 @@ def _groups(
     sided: Sequence[Piece],
 ) -> tuple[list[tuple[list[Piece], Nesting]], list[Diagnostic]]:
     """Return cuts in groups: each joins the first one with which it can be one part."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     groups: list[tuple[list[Piece], Nesting]] = []
     for number in dict.fromkeys(p.cut for p in sided):
         own = [p for p in sided if p.cut == number]
         crossing = list(contour_meetings([p.contour for p in own]))
         if has_errors(crossing):
-            found += crossing
+            findings += crossing
             continue
         for k, (group, _) in enumerate(groups):
             nesting = _one_part([*group, *own])
@@ -176,7 +176,7 @@ def _groups(
                 break
         else:
             groups.append((own, nest([p.contour for p in own])))
-    return groups, found
+    return groups, findings
 
 
 def _once(pieces: Sequence[Piece]) -> list[Contour]:

@@ -9,7 +9,7 @@ from ezdxf.math import BSpline, fit_points_to_cad_cv, global_bspline_interpolati
 from wedmcam.geom.biarc import fit, joint
 from wedmcam.geom.circles import circle, sweep_about
 from wedmcam.geom.curves import Beziers, Ellipse, Ellipses, bezier_pieces
-from wedmcam.geom.departure import certified
+from wedmcam.geom.departure import certify
 
 
 def full(sections, tolerance):
@@ -81,7 +81,7 @@ TABLE = [
 @pytest.mark.parametrize(("curve", "tolerance", "arcs"), TABLE)
 def test_number_of_arcs(curve, tolerance, arcs):
     sections = curve()
-    got, off = certified(sections, full(sections, tolerance))
+    got, off = certify(sections, full(sections, tolerance))
     assert len(got.x0) <= 1.2 * arcs
     assert off.max() <= tolerance
     assert off.max() >= 0.5 * tolerance
@@ -92,7 +92,7 @@ def test_number_of_arcs(curve, tolerance, arcs):
 def test_number_of_arcs_against_the_law(curve, tolerance):
     """The law k' h^3 / 324 for the error gives the least number; ours is near to it."""
     sections = curve()
-    got, off = certified(sections, full(sections, tolerance))
+    got, off = certify(sections, full(sections, tolerance))
     index = np.arange(len(sections.lo))
     t = sections.lo[:, None] + (sections.hi - sections.lo)[:, None] * np.linspace(0, 1, 2001)
     x, y, dx, dy = sections.points(index, t)
@@ -135,7 +135,7 @@ def test_arcs_are_tangent(curve):
 def test_departure_agrees_with_brute_force():
     """Distances of 20 000 places of an ellipse from the arcs, by a formula of the test's own."""
     sections = ellipse(50, 30)
-    arcs, off = certified(sections, full(sections, 1.0))
+    arcs, off = certify(sections, full(sections, 1.0))
     t = np.linspace(0, 2 * np.pi, 20_001)
     x, y = 25_000 * np.cos(t), 15_000 * np.sin(t)
     best = np.full(len(t), np.inf)

@@ -291,7 +291,7 @@ def test_field_outline_solid():
 
 def test_field_outline_hatch():
     text = refused(of(lambda msp: fill(msp, layer="CUT"))).message
-    assert " on layer CUT, 40.000 x 20.000 mm at (0.000, 0.000): its boundary is drawn by" in text
+    assert " on layer CUT, 40.000 x 20.000 mm at (0.000, 0.000) mm: its boundary is drawn" in text
 
 
 def test_field_outline_unknown():

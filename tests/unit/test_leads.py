@@ -114,8 +114,8 @@ def test_side_truth_table(side, reverse):
         *(made.plan.cuts[0].path.vertices[k].min() for k in "xy"),
         *(made.plan.cuts[0].path.vertices[k].max() for k in "xy"),
     )
-    grown = 100 if side == "part" else -100
-    assert (x, y, wide, high) == (-grown, -grown, 20_000 + grown, 10_000 + grown)
+    grow = 100 if side == "part" else -100
+    assert (x, y, wide, high) == (-grow, -grow, 20_000 + grow, 10_000 + grow)
     turn = made.plan.cuts[0].path
     from wedmcam.geom.measure import area
 

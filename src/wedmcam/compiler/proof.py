@@ -16,7 +16,7 @@ import numpy as np
 
 from wedmcam.compiler import pipeline
 from wedmcam.compiler.sources import Drawn
-from wedmcam.diag import Diagnostic, Severity, error, has_errors, note, warning
+from wedmcam.diag import Diagnostic, Place, Severity, error, has_errors, note, warning
 from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
@@ -32,7 +32,7 @@ SAME_POINT = 1.0
 #: So many places are tried in full; a drawing may give thousands of thread points.
 TRIED = 8
 
-Place = tuple[int, int]
+Steps = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +62,7 @@ class _Judged:
 
 
 def given_points(drawn: Drawn, options: Options) -> tuple[tuple[float, float], ...]:
-    """Return the thread points that somebody gave, um: in the source, and as options."""
+    """Return the thread points of the source and of the options, um."""
     threads = [(p.x, p.y) for p in drawn.sketch.thread_points]
     return (*threads, *options.leading.starts_um)
 
@@ -77,7 +77,7 @@ def placed(
     """
     from wedmcam.judge.in_steps import in_steps
 
-    def at(place: Place, fitted: bool = False, strict: bool = how.ours) -> _Judged:
+    def at(place: Steps, fitted: bool = False, strict: bool = how.ours) -> _Judged:
         program = replace(decoded, origin=place)
         judged = pipeline.judged(program, plan, target, options, strict_order=strict, fitted=fitted)
         return _Judged(program, *judged)
@@ -95,8 +95,8 @@ def placed(
         notes += _other_start(best.program, threads)
     lost = len(best.verdict.cuts) < len(plan.cuts)
     if not how.ours and lost and has_errors(best.found):
-        # A contour that lies nowhere says little. Followed in the plan's order, the first block
-        # that leaves it does, if the program is one of this plan at all.
+        # A contour that was not found tells us little. Followed in the plan's order, the first
+        # block that leaves it tells more, if the program is one of this plan at all.
         strict = at(best.program.origin, strict=True)
         if len(strict.verdict.cuts) == len(plan.cuts):
             best = strict
@@ -110,7 +110,7 @@ def _elsewhere(
     plan: Plan,
     target: Target,
     how: Placing,
-    threads: Sequence[Place],
+    threads: Sequence[Steps],
     at: Callable[..., _Judged],
 ) -> tuple[_Judged, list[Diagnostic]]:
     """Return the proof at another place, and the findings that say why there."""
@@ -133,28 +133,38 @@ def _elsewhere(
         return best, []  # it starts where it may, and is wrong
     if how.fit:
         return best, [replace(d, severity=Severity.WARNING) for d in notes]
-    x, y = (v * decoded.step_um / 1000.0 for v in fitted.origin)
-    many = len(how.given)
-    points = "the one thread point" if many == 1 else f"any of the {many} thread points"
-    would = (
-        f"it would prove if it started at ({x:.3f}, {y:.3f}) mm"
-        if best.verdict.ok
-        else f"it fits best if it starts at ({x:.3f}, {y:.3f}) mm, and does not prove there"
+    start = _place(fitted.origin, decoded.step_um)
+    where = error(
+        "origin-unknown",
+        "the program does not prove with its start on the one thread point that is given"
+        if len(how.given) == 1
+        else "the program does not prove with its start on any of the {given} thread points that "
+        "is given",
+        hint="--origin X,Y says where it starts; --fit-origin takes the place that fits",
+        points_mm=(start,),
+        given=len(how.given),
+        start=start,
     )
-    text = f"the program does not prove with its start on {points} that is given; {would}"
-    hint = "--origin X,Y says where it starts; --fit-origin takes the place that fits"
-    where = error("origin-unknown", text, hint=hint, points_mm=((x, y),))
+    where = where.extended(
+        "; it would prove if it started at {start}"
+        if best.verdict.ok
+        else "; it fits best if it starts at {start}, and does not prove there"
+    )
     return (replace(first, found=[]) if best.verdict.ok else first), [where]
 
 
+def _place(at: Steps, step_um: float) -> Place:
+    return Place.of_um(at[0] * step_um, at[1] * step_um)
+
+
 def _given_places(
-    given: Iterable[tuple[float, float]], threads: Sequence[Place], step_um: float
-) -> list[Place]:
+    given: Iterable[tuple[float, float]], threads: Sequence[Steps], step_um: float
+) -> list[Steps]:
     """Return given thread points in steps, in the order in which the plan threads there."""
     points = np.array(list(given), float).reshape(-1, 2) / step_um
     if not len(points):
         return []
-    found: dict[Place, None] = {}
+    found: dict[Steps, None] = {}
     left = np.ones(len(points), bool)
     for place in threads:
         near = np.hypot(points[:, 0] - place[0], points[:, 1] - place[1]) <= SAME_POINT
@@ -166,22 +176,23 @@ def _given_places(
     return list(found)
 
 
-def _other_start(program: Program, threads: Sequence[Place]) -> list[Diagnostic]:
+def _other_start(program: Program, threads: Sequence[Steps]) -> list[Diagnostic]:
     """Return a note where a program starts elsewhere than the plan does."""
     if program.origin == threads[0]:
         return []
-    (x, y), (fx, fy) = (
-        (v * program.step_um / 1000.0 for v in p) for p in (program.origin, threads[0])
-    )
-    which = (
-        f", where the plan threads cut {threads.index(program.origin) + 1}"
-        if program.origin in threads
-        else ""
-    )
-    text = (
-        f"the program starts at ({x:.3f}, {y:.3f}) mm{which}, the plan at ({fx:.3f}, {fy:.3f}) mm"
-    )
-    return [note("other-order", text, points_mm=((x, y),))]
+    start = _place(program.origin, program.step_um)
+    return [
+        note(
+            "other-order",
+            "the program starts at {start}, where the plan threads cut {cut}, the plan at {planned}"
+            if program.origin in threads
+            else "the program starts at {start}, the plan at {planned}",
+            points_mm=(start,),
+            start=start,
+            cut=threads.index(program.origin) + 1 if program.origin in threads else None,
+            planned=_place(threads[0], program.step_um),
+        )
+    ]
 
 
 # --- certificates --------------------------------------------------------------------------------
@@ -227,8 +238,9 @@ def issued_for_others(
     return [
         warning(
             "certificate-differs",
-            f"the certificate was issued for another {what}: its fingerprint differs",
+            "the certificate was issued for another {file}: its fingerprint differs",
             hint="what is proven now is the file that is there",
+            file=what,
         )
         for key, what, seen in (("output", "program", data), ("input", "drawing", drawing))
         if seen and not is_of(certificate, key, seen)
@@ -291,18 +303,28 @@ def _left(
     compiled, _ = target.read(wrote, "program", target.entries(proven.plan))
     stepping = target.machine.stepping
     apart = difference(compiled, program, stepping, stepping, 0.0)
+    other_version = certificate["version"] != now["version"]
+    make = note if other_version else warning
+    left = make(
+        "certificate-differs",
+        "the program is not the one that this drawing and these options compile to: ",
+        hint="the certificate is of another version"
+        if other_version
+        else "the program was changed: compile again",
+    )
     if apart.equal:
-        what = "other bytes and the same path"
-    else:
-        first = f"block {apart.block_b}" if apart.block_b else "its end"
-        far = f" by {apart.distance_um / 1000.0:.4f} mm" if apart.distance_um < np.inf else ""
-        what = f"another path, first in {first}{far}"
-        if apart.what != "apart":
-            what += f": {apart.what}"
-    text = f"the program is not the one that this drawing and these options compile to: {what}"
-    if certificate["version"] != now["version"]:
-        return [note("certificate-differs", text, hint="the certificate is of another version")]
-    return [warning("certificate-differs", text, hint="the program was changed: compile again")]
+        return [left.extended("other bytes and the same path")]
+    left = left.extended(
+        "another path, first in block {block}"
+        if apart.block_b
+        else "another path, first in its end",
+        block=apart.block_b,
+    )
+    if apart.distance_um < np.inf:
+        left = left.extended(" by {apart_mm:.4f} mm", apart_mm=apart.distance_um / 1000.0)
+    if apart.what != "apart":
+        left = left.extended(": {difference}", difference=apart.what)
+    return [left]
 
 
 def held_to_alone(

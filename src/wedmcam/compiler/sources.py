@@ -145,8 +145,8 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.frontends.dxf import read as read_dxf
     from wedmcam.transforms.chain import ChainReport, chain
     from wedmcam.transforms.frames import doubtful
-    from wedmcam.transforms.held import held
     from wedmcam.transforms.layers import Group, split
+    from wedmcam.transforms.unread import unread_outlines
 
     sketch, found = read_dxf(data, file, reading, options.wishes)
     if sketch is not None:
@@ -163,7 +163,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         if reading.transforms:
             drawn, contours = _transformed(sketch, contours, options, run)
         groups.append(Group(rule, contours))
-    about = held(sketch, every, reading.join_um, options.cutting.offset_um or 0.0)
+    about = unread_outlines(sketch, every, reading.join_um, options.cutting.offset_um or 0.0)
     every = tuple(c for group in groups for c in group.contours)
     nesting = _nested(every, run)
     if len(groups) == 1:

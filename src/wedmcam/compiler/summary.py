@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
 
 from wedmcam import __version__, machines
@@ -24,14 +25,28 @@ def understood_of(plan: Plan | None) -> Understanding | None:
     return None if plan is None else understood(plan)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Files:
+    """The files that a summary is of.
+
+    Attributes:
+        source_name: of the drawing or part program; empty for none.
+        source: its bytes.
+        program_name: empty where none is written.
+        program: its bytes; None where there is none.
+    """
+
+    source_name: str
+    source: bytes
+    program_name: str
+    program: bytes | None
+
+
 def summary_of(
-    found: list[Diagnostic],
+    findings: list[Diagnostic],
     machine: Machine,
     options: Options,
-    name: str,
-    data: bytes,
-    output_name: str,
-    out: bytes | None,
+    files: Files,
     drawn: Drawn | None,
     verdict: Verdict | None,
     understood: Understanding | None,
@@ -41,7 +56,7 @@ def summary_of(
     units = drawn.sketch.info.units if drawn else None
     if verdict is None:
         return {
-            "input": name,
+            "input": files.source_name,
             "output": None,
             "format": machine.format,
             "units": units,
@@ -54,22 +69,22 @@ def summary_of(
             "gouge_um": None,
             "offset_um": options.cutting.offset_um or 0.0,
             "side": str(options.cutting.effective_side),
-            "diagnostics": [finding_data(d) for d in found],
+            "diagnostics": [finding_data(d) for d in findings],
             "ok": False,
             "understood": rows,
             "arithmetic": options.arithmetic,
-            "sha256": {"input": fingerprint(data)},
+            "sha256": {"input": fingerprint(files.source)},
         }
 
     result = certificate(
         verdict,
-        found,
-        input_name=name,
-        output_name=output_name,
+        findings,
+        input_name=files.source_name,
+        output_name=files.program_name,
         format_name=machine.format,
         units=units or "",
-        input_bytes=data,
-        output_bytes=out or b"",
+        input_bytes=files.source,
+        output_bytes=files.program or b"",
         profile_name=machine.name,
         profile_sha256=profile_fingerprint(machine),
         join_um=drawn.report.max_shift_um if drawn else 0.0,
@@ -88,9 +103,9 @@ def summary_of(
         result["d_um"] = {str(number): um for number, um in options.operator.d}
         if machine.iso.entry_factor == 2:
             result["d_is"] = "diameter"
-    if out is None or not output_name:
+    if files.program is None or not files.program_name:
         result["output"] = None
-    result["ok"] = out is not None
+    result["ok"] = files.program is not None
     return result
 
 
@@ -98,31 +113,30 @@ def proof_summary(
     run: Run,
     machine: Machine,
     options: Options,
-    name: str,
-    data: bytes,
-    drawing_name: str,
-    drawing: bytes,
+    files: Files,
     drawn: Drawn | None,
-    told: dict[str, Any],
+    figures: dict[str, Any],
     verdict: Verdict | None,
-    known: Understanding | None,
+    understood: Understanding | None,
 ) -> dict[str, Any]:
     """Return the summary of a proof: the certificate, or the figures of the program alone.
 
-    ``told``: figures of the program where there is no drawing; other arguments as `summary_of`.
+    ``figures``: of the program where there is no drawing; other arguments as `summary_of`.
     """
     if verdict is not None:
-        summary = summary_of(
-            run.found, machine, options, drawing_name, drawing, name, data, drawn, verdict, known
-        )
+        summary = summary_of(run.found, machine, options, files, drawn, verdict, understood)
         summary["ok"] = not has_errors(run.found)
         return summary
-    summary = summary_of(
-        run.found, machine, options, drawing_name, drawing, name, None, drawn, None, known
-    )
-    summary |= {"input": drawing_name or None, "output": name, "side": None, "offset_um": None}
-    summary |= told
-    if not drawing:
+    unproven = replace(files, program=None)
+    summary = summary_of(run.found, machine, options, unproven, drawn, None, understood)
+    summary |= {
+        "input": files.source_name or None,
+        "output": files.program_name,
+        "side": None,
+        "offset_um": None,
+    }
+    summary |= figures
+    if not files.source:
         del summary["sha256"], summary["arithmetic"]  # nothing was computed
         summary["ok"] = not has_errors(run.found)
     return summary

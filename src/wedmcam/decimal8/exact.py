@@ -22,7 +22,7 @@ from wedmcam.decimal8.number_format import DIGITS, HIGH, LOW, ZERO, round_intege
 Evaluate = Callable[[Any], Any]
 
 #: Working precisions, in digits. The last is beyond what two 8-digit numbers 199 powers of ten
-#: apart can need; reaching it means a tie that nobody thought of.
+#: apart can need; reaching it means an unforeseen tie.
 PRECISIONS = (30, 60, 120, 240, 480, 960)
 #: Digits that cancellation may cost, apart from those of a large exponent: an 8-digit number comes
 #: no nearer to a multiple of pi/2 than about 1e-11 of its last digit.

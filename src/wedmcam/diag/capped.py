@@ -1,4 +1,4 @@
-"""How many findings are told: of each kind the first, and how many more there are.
+"""How many findings are shown: of each kind the first, and how many more there are.
 
 A drawing of 100,000 thread points beside one circle has 100,000 errors of one kind. Whoever mends
 it reads the first few; a terminal, a certificate and the memory of the process need not hold the
@@ -28,13 +28,13 @@ POINTS = 200
 Kind = tuple[Severity, str]
 
 
-def capped(found: Iterable[Diagnostic]) -> list[Diagnostic]:
+def capped(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Return findings with at most `KEPT` of a kind, and one more that counts the others.
 
     Equal ones (same code, place and sentence) count as one. Their order stays; capping twice is
     capping once, and what comes later is counted by the same last finding.
     """
-    every = [_with_few_places(d) for d in found]
+    every = [_with_few_places(d) for d in findings]
     sizes = Counter((d.severity, d.code) for d in every)
     if all(size <= KEPT for size in sizes.values()):
         return every
@@ -65,7 +65,7 @@ def capped(found: Iterable[Diagnostic]) -> list[Diagnostic]:
 def rest_of(of: Diagnostic, count: int) -> Diagnostic:
     """Return the finding that stands for ``count`` more of the kind of ``of``."""
     return Diagnostic(
-        of.severity, of.code, f"and {count:,} more of this kind", count=count, rest=True
+        of.severity, of.code, "and {count:,} more of this kind", count=count, rest=True
     )
 
 

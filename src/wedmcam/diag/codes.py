@@ -97,7 +97,7 @@ CODES: dict[str, Code] = {
     "hidden-not-cut": Code(
         "Entities that the drawing does not show were left out: layer off or frozen, invisible, "
         "or on DEFPOINTS.",
-        "What nobody sees in the drawing is not meant to be cut.",
+        "What is not seen in the drawing is not meant to be cut.",
         "Switch the layer on if it is.",
     ),
     "layer-left-out": Code(
@@ -187,7 +187,7 @@ CODES: dict[str, Code] = {
         "Look for loops, cusps and folds in it, or allow a larger --tolerance.",
     ),
     "fit-points": Code(
-        "A spline of which the file holds only points that it passes through.",
+        "A spline for which the file holds only points that it passes through.",
         "How it runs between them is for each program to choose; it may differ from what is shown.",
         "Save the drawing with control points.",
     ),
@@ -418,7 +418,7 @@ CODES: dict[str, Code] = {
     ),
     "figure-branch": Code(
         "More than two ends of chains meet at one place after a transform.",
-        "Nobody can say how the wire goes on there, so nothing is joined.",
+        "It is open how the wire goes on there, so nothing is joined.",
         "Draw the figure so that each end meets one other end.",
     ),
     "reverse-closed": Code(
@@ -478,7 +478,7 @@ CODES: dict[str, Code] = {
     ),
     "thread-point-unused": Code(
         "a thread point serves no contour",
-        "a start hole that nobody uses was drilled for something else than is cut",
+        "a start hole that is not used was drilled for something else than is cut",
         "put it on the scrap side of its contour, or remove it",
     ),
     "thread-point-twice": Code(
@@ -560,7 +560,7 @@ CODES: dict[str, Code] = {
         "Mend the line that is named.",
     ),
     "profile-key": Code(
-        "A profile has a key that nobody reads.",
+        "A profile has a key that is not read.",
         "A misspelt limit would be no limit.",
         "Correct or remove the key; `wedmcam profile show` prints a complete profile.",
     ),
@@ -604,7 +604,7 @@ CODES: dict[str, Code] = {
     ),
     "bad-type": Code(
         "An arc has no compensation type: 0x01 or D (convex), 0x02 or DD (concave).",
-        "Nobody knows whether the radius grows or shrinks.",
+        "It is not known whether the radius grows or shrinks.",
         "Correct the byte behind the instruction.",
     ),
     "quadrant-contradicts": Code(
@@ -656,7 +656,7 @@ CODES: dict[str, Code] = {
         "Correct G, or the direction of the line.",
     ),
     "arc-too-small": Code(
-        "An arc of which the start is less than sqrt(2) um from its centre.",
+        "An arc whose start is less than sqrt(2) um from its centre.",
         "The interpolator steps onto the centre and never ends.",
         "Replace the arc by a line.",
     ),
@@ -700,7 +700,7 @@ CODES: dict[str, Code] = {
     ),
     "unknown-word": Code(
         "A bare word that the profile does not know; a control word is kept as a control record.",
-        "Nobody knows what the controller does with it.",
+        "It is not known what the controller does with it.",
         "Name the control words in the profile ([words]; of ISO what each does, [iso.words]).",
     ),
     "after-end": Code(

@@ -19,16 +19,18 @@ PLACE = 300
 WINDOW = 160
 
 
-def merged(found: Iterable[Diagnostic]) -> list[Diagnostic]:
+def merged(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Return the findings, capped, with equal ones (same code, place and sentence) made one."""
     seen: dict[tuple[object, ...], Diagnostic] = {}
-    for d in capped(found):
+    for d in capped(findings):
         key = (d.severity, d.code, d.message, str(d.span))
         seen[key] = replace(d, times=seen[key].times + d.times) if key in seen else d
     return list(seen.values())
 
 
-def render(found: Diagnostic, file: str = "", colour: bool = False, text: str | None = None) -> str:
+def render(
+    finding: Diagnostic, file: str = "", colour: bool = False, text: str | None = None
+) -> str:
     """Return one finding as lines.
 
     ``file`` stands where the finding has no place of its own. With the ``text`` that its place is
@@ -40,21 +42,21 @@ def render(found: Diagnostic, file: str = "", colour: bool = False, text: str | 
     a.dxf:#2F layer CUT: error[open-contour]: ends 0.137 mm short
       hint: --join 0.15
     """
-    place = _place(found.span) if found.span is not None else _plain(file)
-    head = f"{found.severity}[{found.code}]"
+    place = _place(finding.span) if finding.span is not None else _plain(file)
+    head = f"{finding.severity}[{finding.code}]"
     if colour:
-        head = f"\x1b[{COLOURS[found.severity]}m{head}\x1b[0m"
-    times = f" (x {found.times})" if found.times > 1 else ""
-    said = f"{head}: {visible(found.message)}{times}"
-    lines = [f"{place}: {said}" if place else said]
-    if text is not None and isinstance(found.span, TextSpan):
-        lines += excerpt(text, found.span)
-    for what, span in found.notes:
+        head = f"\x1b[{COLOURS[finding.severity]}m{head}\x1b[0m"
+    times = f" (x {finding.times})" if finding.times > 1 else ""
+    headline = f"{head}: {visible(finding.message)}{times}"
+    lines = [f"{place}: {headline}" if place else headline]
+    if text is not None and isinstance(finding.span, TextSpan):
+        lines += excerpt(text, finding.span)
+    for what, span in finding.notes:
         kind = f"{_plain(span.dxftype)} " if isinstance(span, EntityRef) else ""
         where = f" ({kind}{_place(span)})" if span is not None else ""
         lines.append(f"  = {_plain(what)}{where}")
-    if found.hint:
-        lines.append(f"  hint: {_plain(found.hint)}")
+    if finding.hint:
+        lines.append(f"  hint: {_plain(finding.hint)}")
     return "\n".join(lines)
 
 

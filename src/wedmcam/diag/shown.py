@@ -1,6 +1,6 @@
 r"""Text of files as people may see it: nothing in it can drive a terminal or turn a line around.
 
-Layer, block and file names, texts of programs and T labels are whatever somebody wrote into a
+Layer, block and file names, texts of programs and T labels are whatever was written into a
 file: control characters that clear a screen, marks that make the rest of a line run from right to
 left, bytes of a file name that are no UTF-8. They are shown as escapes: ``\x1b``, ``\u202e``.
 """

@@ -20,8 +20,10 @@ MOST_TEXT = 1_000_000
 def read_toml(text: str, name: str, code: str) -> tuple[dict[str, Any], Diagnostic | None]:
     """Return the data of a TOML text, or nothing and a finding with ``code`` and its place."""
     if len(text) > MOST_TEXT:
-        what = f"more than {MOST_TEXT:,} characters are no settings"
-        return {}, error(code, what, TextSpan(name, 1, 1))
+        span = TextSpan(name, 1, 1)
+        return {}, error(
+            code, "more than {most:,} characters are no settings", span, most=MOST_TEXT
+        )
     try:
         return tomllib.loads(text), None
     except RecursionError:
@@ -30,5 +32,5 @@ def read_toml(text: str, name: str, code: str) -> tuple[dict[str, Any], Diagnost
         at = re.search(r"at line (\d+), column (\d+)", str(wrong))
         last = text.count("\n") + 1
         span = TextSpan(name, int(at[1]), int(at[2])) if at else TextSpan(name, last, 1)
-        what = re.sub(r"\s*\(at .*\)$", "", str(wrong))
-        return {}, error(code, f"not TOML: {what}", span)
+        reason = re.sub(r"\s*\(at .*\)$", "", str(wrong))
+        return {}, error(code, "not TOML: {reason}", span, reason=reason)

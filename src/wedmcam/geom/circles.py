@@ -73,18 +73,18 @@ def sweep_about(x: Floats, y: Floats, cx: float, cy: float) -> float:
     return float(step.sum())
 
 
-def rounds(made: Beziers, curves: int) -> Rounds:
+def rounds(beziers: Beziers, curves: int) -> Rounds:
     """Return the nearest circle of each of the curves 0 to ``curves`` - 1."""
-    x, y = made.sample(PLACES)
-    bounds = np.searchsorted(made.curve, np.arange(curves + 1))
-    corner = ~made.joint
+    x, y = beziers.sample(PLACES)
+    bounds = np.searchsorted(beziers.curve, np.arange(curves + 1))
+    corner = ~beziers.joint
     places = []
     out = np.zeros((5, curves))
     out[4] = np.inf
     for k, (a, b) in enumerate(zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True)):
         px, py = x[a:b].ravel(), y[a:b].ravel()
         places.append((px, py))
-        if a == b or made.straight[a:b].any() or (corner[a + 1 : b] & _gap(made, a, b)).any():
+        if a == b or beziers.straight[a:b].any() or (corner[a + 1 : b] & _gap(beziers, a, b)).any():
             continue
         cx, cy, r, error = circle(px, py)
         if error > MEET_UM:
@@ -95,8 +95,10 @@ def rounds(made: Beziers, curves: int) -> Rounds:
     return Rounds(tuple(places), *out)
 
 
-def _gap(made: Beziers, a: int, b: int) -> Bools:
+def _gap(beziers: Beziers, a: int, b: int) -> Bools:
     """Return whether pieces do not begin where the one before them ends."""
-    gap = np.hypot(made.x0[a + 1 : b] - made.x1[a : b - 1], made.y0[a + 1 : b] - made.y1[a : b - 1])
+    gap = np.hypot(
+        beziers.x0[a + 1 : b] - beziers.x1[a : b - 1], beziers.y0[a + 1 : b] - beziers.y1[a : b - 1]
+    )
     out: Bools = gap > MEET_UM
     return out

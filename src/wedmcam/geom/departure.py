@@ -41,7 +41,7 @@ def departure(sections: Sections, arcs: Arcs) -> Floats:
     return out
 
 
-def certified(sections: Sections, tolerance: Floats) -> tuple[Arcs, Floats]:
+def certify(sections: Sections, tolerance: Floats) -> tuple[Arcs, Floats]:
     """Return arcs that are within the tolerance of each section as measured, and their departure.
 
     Where the fit has overlooked something between its places, it is asked for better. What then
@@ -58,11 +58,11 @@ def certified(sections: Sections, tolerance: Floats) -> tuple[Arcs, Floats]:
             break
         aim[over] *= np.clip(0.98 * tolerance[over] / worst[over], 0.25, 0.98)
         better = fit(sections, aim, over)
-        arcs, off = _replaced(arcs, off, better, departure(sections, better), over)
+        arcs, off = _replace_pieces(arcs, off, better, departure(sections, better), over)
     return arcs, off
 
 
-def _replaced(
+def _replace_pieces(
     arcs: Arcs, off: Floats, better: Arcs, better_off: Floats, over: Ints
 ) -> tuple[Arcs, Floats]:
     """Return arcs in which those of the sections ``over`` are replaced."""
@@ -80,7 +80,7 @@ def _replaced(
         out: Floats = np.concatenate([getattr(arcs, name)[keep], getattr(better, name)])[by_piece]
         return out
 
-    made = Arcs(
+    arcs = Arcs(
         both("section").astype(np.int64),
         both("x0"),
         both("y0"),
@@ -94,7 +94,7 @@ def _replaced(
         np.concatenate([arcs.hi[keep_piece], better.hi])[order],
         of[order],
     )
-    return made, np.concatenate([off[keep_piece], better_off])[order]
+    return arcs, np.concatenate([off[keep_piece], better_off])[order]
 
 
 def _peak(d: Floats) -> Floats:

@@ -90,7 +90,7 @@ def _share(a: Segments, b: Segments, within_um: float) -> tuple[float, float]:
     n = len(SHARES)
     at = np.repeat(SHARES, len(a)) * np.tile(a.length, n)
     x, y = points_at(a.take(np.tile(np.arange(len(a)), n)), at)
-    i, j = pairs.overlapping(pairs.grown((x, y, x, y), within_um), boxes(b))
+    i, j = pairs.overlapping(pairs.grow((x, y, x, y), within_um), boxes(b))
     off = pairs.least(distances(b.take(j), x[i], y[i]), i, len(x))
     near = off <= within_um
     share = float((near * np.tile(a.length, n)).sum() / (n * a.length.sum()))

@@ -15,7 +15,7 @@ from wedmcam.geom.segments import Floats, Ints
 
 Boxes = tuple[Floats, Floats, Floats, Floats]
 
-#: Pairs that are looked at together where nobody says how many: as many as there are.
+#: Pairs that are looked at together where no number is given: as many as there are.
 ALL = 2**62
 
 
@@ -158,6 +158,6 @@ def _changes(of: Ints) -> NDArray[np.bool_]:
     return change
 
 
-def grown(a: Boxes, by: float) -> Boxes:
+def grow(a: Boxes, by: float) -> Boxes:
     """Return the boxes grown by ``by`` um on every side."""
     return a[0] - by, a[1] - by, a[2] + by, a[3] + by

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 #: A value this near below a half is taken as the half: float64 noise of coordinates up to 10 m
 #: (2e-9 um) must not decide which way a drawn half-micron goes.
-NOISE_UM = 1e-7
+HALF_NOISE_UM = 1e-7
 
 
 def to_grid(values: ArrayLike) -> NDArray[np.int64]:
@@ -19,4 +19,4 @@ def to_grid(values: ArrayLike) -> NDArray[np.int64]:
     [1, -1, 2, -3, 2]
     """
     v = np.asarray(values, dtype=np.float64)
-    return (np.sign(v) * np.floor(np.abs(v) + 0.5 + NOISE_UM)).astype(np.int64)
+    return (np.sign(v) * np.floor(np.abs(v) + 0.5 + HALF_NOISE_UM)).astype(np.int64)

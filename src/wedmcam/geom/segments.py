@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 TAU = 2.0 * np.pi
+#: A joint that turns by less is tangent (radians): 1 um over 1 mm.
+TANGENT = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)

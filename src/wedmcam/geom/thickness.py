@@ -45,7 +45,7 @@ EXACT = 1e-5
 #: what is shorter than it is thick is a step.
 AROUND = 3.0
 #: Nearer to its end than this, um, a place on a segment is the vertex.
-VERTEX_UM = 1e-3
+AT_END_UM = 1e-3
 
 
 class Walls(NamedTuple):
@@ -98,7 +98,7 @@ def walls(s: Segments, owner: Ints, below_um: float) -> Walls:
 
     What lies between, material or scrap, is not looked at.
     """
-    i, j = pairs.self_overlapping(pairs.grown(boxes(s), 0.5 * below_um))
+    i, j = pairs.self_overlapping(pairs.grow(boxes(s), 0.5 * below_um))
     near = _may_be_near(s, i, j, below_um)
     i, j = i[near], j[near]
     p = _pieces(s, owner)
@@ -113,7 +113,7 @@ def walls(s: Segments, owner: Ints, below_um: float) -> Walls:
     at_b = np.clip(position_of(b, g.x, g.y), 0.0, b.length)
     beside, along = _beside(a, b)
     at_c = np.clip(position_of(b, *points_at(a, beside)), 0.0, b.length)
-    k = np.concatenate([np.flatnonzero(least), np.flatnonzero(along > VERTEX_UM)])
+    k = np.concatenate([np.flatnonzero(least), np.flatnonzero(along > AT_END_UM)])
     n = int(least.sum())
     i, j = i[k], j[k]
     at_i = np.concatenate([at_a[k[:n]], beside[k[n:]]])
@@ -205,7 +205,7 @@ def _pairs_of_pieces(p: _Pieces, i: Ints, j: Ints, below: float) -> tuple[Ints, 
     keep &= least < below
     a, b = a[keep], b[keep]
     if len(s) > len(p.first):
-        box = pairs.grown(boxes(s), 0.5 * below)
+        box = pairs.grow(boxes(s), 0.5 * below)
         meet = (box[0][a] <= box[2][b]) & (box[0][b] <= box[2][a])
         meet &= (box[1][a] <= box[3][b]) & (box[1][b] <= box[3][a])
         a, b = a[meet], b[meet]
@@ -273,10 +273,10 @@ def _arms(p: _Pieces, k: Ints, at: Floats, dx: Floats, dy: Floats) -> tuple[Floa
     s = p.s
     tx, ty = tangents_at(s.take(k), at)
     ahead, back = tx * dx + ty * dy, -(tx * dx + ty * dy)
-    end = np.flatnonzero(at >= s.length[k] - VERTEX_UM)
+    end = np.flatnonzero(at >= s.length[k] - AT_END_UM)
     tx, ty = start_tangents(s.take(p.after[k[end]]))
     ahead[end] = tx * dx[end] + ty * dy[end]
-    start = np.flatnonzero(at <= VERTEX_UM)
+    start = np.flatnonzero(at <= AT_END_UM)
     tx, ty = end_tangents(s.take(p.before[k[start]]))
     back[start] = -(tx * dx[start] + ty * dy[start])
     return ahead, back

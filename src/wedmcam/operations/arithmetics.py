@@ -73,7 +73,7 @@ def _from_paths(one: Sequence[Contour], two: Sequence[Contour]) -> float:
         step = len(rest) if reach == NEAR_UM else max(1, PAIRS // len(s))
         for k in range(0, len(rest), step):
             px, py = x[rest[k : k + step]], y[rest[k : k + step]]
-            i, j = pairs.overlapping((px, py, px, py), pairs.grown(boxes, reach))
+            i, j = pairs.overlapping((px, py, px, py), pairs.grow(boxes, reach))
             d = pairs.least(seg.distances(s.take(j), px[i], py[i]), i, len(px))
             apart[rest[k : k + step]] = np.where(d <= reach, d, np.inf)
         reach *= 100.0

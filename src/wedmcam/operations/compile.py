@@ -9,7 +9,7 @@ from wedmcam import machines
 from wedmcam.compiler import pipeline
 from wedmcam.compiler.portion import portion
 from wedmcam.compiler.results import Compilation
-from wedmcam.compiler.summary import summary_of, understood_of
+from wedmcam.compiler.summary import Files, summary_of, understood_of
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
 from wedmcam.machines import Machine
@@ -128,10 +128,7 @@ def compile_plan(
             run.found,
             machine,
             issued,
-            name,
-            data,
-            output_name,
-            out,
+            Files(name, data, output_name, out),
             drawn,
             verdict if ok else None,
             known,

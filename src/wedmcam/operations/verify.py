@@ -11,7 +11,7 @@ from wedmcam.compiler import pipeline, proof, sources
 from wedmcam.compiler.portion import portion
 from wedmcam.compiler.results import Proof
 from wedmcam.compiler.sources import Drawn
-from wedmcam.compiler.summary import proof_summary, summary_of, understood_of
+from wedmcam.compiler.summary import Files, proof_summary, summary_of, understood_of
 from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
@@ -99,6 +99,7 @@ def verify(
     drawn: Drawn | None = None
     told: dict[str, Any] = {}
     drawing, drawing_name = (b"", "") if against is None else bytes_of(against, against_name)
+    files = Files(drawing_name, drawing, name, data)
     stage = ""
     try:
         # An outline's program does not say how far beside it the wire runs; the plan does.
@@ -136,10 +137,7 @@ def verify(
                     run.found,
                     machine,
                     options,
-                    drawing_name,
-                    drawing,
-                    name,
-                    data,
+                    files,
                     drawn,
                     verdict,
                     understood_of(plan),
@@ -167,9 +165,7 @@ def verify(
     errors = has_errors(run.found)
     status = 0 if not errors else (3 if stage in ("verify", "certificate") else 1)
     known = understood_of(plan)
-    summary = proof_summary(
-        run, machine, options, name, data, drawing_name, drawing, drawn, told, verdict, known
-    )
+    summary = proof_summary(run, machine, options, files, drawn, told, verdict, known)
     if verdict is not None and certificate is None:
         summary["leads"] = "own"  # so order and leads are not held to the plan's next time either
     said = tuple(run.found)

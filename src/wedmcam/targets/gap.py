@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom.measure import segments_of
 from wedmcam.geom.segments import (
     distances,
@@ -21,20 +21,19 @@ from wedmcam.geom.segments import (
 )
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Program
-from wedmcam.transforms.doubles import place
 
 #: A joint may tear by this much when its segments are offset, um.
-TORN_UM = 1.0
+TANGENT_GAP_UM = 1.0
 #: Joints that are listed one by one.
-LISTED = 10
+LISTED_CORNERS = 10
 
 
 def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
     """Return an error for each joint of a cut outline that is not tangent.
 
-    A joint at an angle a tears by offset times a; up to `TORN_UM` is taken for tangent.
+    A joint at an angle a tears by offset times a; up to `TANGENT_GAP_UM` is taken for tangent.
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     more = 0
     for cut in plan.cuts:
         if cut.outline is None or not cut.offset_um:
@@ -47,36 +46,39 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
         angle = np.abs(np.arctan2(ex * by - ey * bx, ex * bx + ey * by))
         if not c.closed:
             angle = angle[:-1]
-        for k in np.flatnonzero(angle * cut.offset_um > TORN_UM).tolist():
-            if len(found) >= LISTED:
+        for k in np.flatnonzero(angle * cut.offset_um > TANGENT_GAP_UM).tolist():
+            if len(findings) >= LISTED_CORNERS:
                 more += 1
                 continue
-            x, y = float(s.x1[k]), float(s.y1[k])
-            found.append(
+            corner = Place.of_um(s.x1[k], s.y1[k])
+            findings.append(
                 error(
                     "not-tangent",
-                    f"the outline has a corner of {float(np.degrees(angle[k])):.3f} degrees at "
-                    f"{place(x, y)} mm; the controller's compensation takes tangent joints only",
+                    "the outline has a corner of {angle_deg:.3f} degrees at {corner}; the "
+                    "controller's compensation takes tangent joints only",
                     c.source_of(k),
-                    points_mm=((x / 1e3, y / 1e3),),
-                    hint=f"round the corners (--corner), or --to {instead}",
+                    points_mm=(corner,),
+                    hint="round the corners (--corner), or --to {instead}",
+                    angle_deg=float(np.degrees(angle[k])),
+                    corner=corner,
+                    instead=instead,
                 )
             )
     if more:
-        found.append(error("not-tangent", f"{more} further corners", count=more))
-    return found
+        findings.append(error("not-tangent", "{count} further corners", count=more))
+    return findings
 
 
-def gaps(plan: Plan) -> list[tuple[float, str]]:
+def gaps(plan: Plan) -> list[tuple[float, Place]]:
     """Return the offsets of the cuts, um, each with a place where one has it."""
-    found: dict[float, str] = {}
+    places: dict[float, Place] = {}
     for cut in plan.cuts:
         v = cut.path.vertices
-        found.setdefault(cut.offset_um, f"{place(float(v['x'][0]), float(v['y'][0]))} mm")
-    return sorted(found.items())
+        places.setdefault(cut.offset_um, Place.of_um(v["x"][0], v["y"][0]))
+    return sorted(places.items())
 
 
-def grown(plan: Plan, program: Program) -> NDArray[np.int8]:
+def arc_growth(plan: Plan, program: Program) -> NDArray[np.int8]:
     """Return for each block whether the offset made an arc larger (+1) or smaller (-1).
 
     The outline lies on the side of what is kept; an arc whose centre is on that side grew.

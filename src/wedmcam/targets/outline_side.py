@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity, Span, error
+from wedmcam.diag import Diagnostic, Place, Severity, Span, error
 from wedmcam.geom import measure
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.program import Kind, Program
@@ -42,7 +42,7 @@ class _Ring(NamedTuple):
     arcs: Ints
 
 
-def grown(
+def arc_growth(
     program: Program, machine: Machine, gap_um: float, outwards: bool
 ) -> tuple[NDArray[np.int8] | None, list[Diagnostic]]:
     """Return for each block +1 where the gap made its arc larger than that of the outline, else -1.
@@ -96,16 +96,19 @@ def _ring(
     is_arc = blocks["kind"][rows] == Kind.ARC
     arcs = rows[is_arc]
     if len(one.overcut):
-        return None, _told(program, one.overcut[0], starts, "it runs back in its own cut")
+        unknown = _unknown(program, one.overcut[0], starts)
+        return None, unknown.extended(": it runs back in its own cut")
     path = one.path if len(one.lead_in) and one.closed else _closed(rows, is_arc, starts, ends)
     if path is None:
         if not len(arcs):
             return None, None
-        return None, _told(program, arcs[0], starts, "it belongs to a path that does not close")
+        unknown = _unknown(program, arcs[0], starts)
+        return None, unknown.extended(": it belongs to a path that does not close")
     again = (ends[path[:-1]] == starts[path[0]]).all(axis=1)
     if again.any():
         where = path[int(np.argmax(again)) + 1]
-        return None, _told(program, where, starts, "it goes round the same contour once more")
+        unknown = _unknown(program, where, starts)
+        return None, unknown.extended(": it goes round the same contour once more")
     return _Ring(path, _contour(blocks, path, starts), arcs), None
 
 
@@ -146,21 +149,23 @@ def _too_near(
     k = int(np.argmin(apart))
     if apart[k] >= 2.0 * gap_um:
         return []
-    what = (
-        f"the path around it is {apart[k] / 1000:.3f} mm away, less than two gaps: both may be "
-        "cuts of one contour"
-    )
-    return [_told(program, inner.rows[i[k]], starts, what)]
+    return [
+        _unknown(program, inner.rows[i[k]], starts).extended(
+            ": the path around it is {apart_mm:.3f} mm away, less than two gaps: both may be cuts "
+            "of one contour",
+            apart_mm=float(apart[k]) / 1000,
+        )
+    ]
 
 
-def _told(program: Program, row: np.int64, starts: Ints, why: str) -> Diagnostic:
-    x, y = (v / 1000.0 + 0.0 for v in starts[row].tolist())
+def _unknown(program: Program, row: np.int64, starts: Ints) -> Diagnostic:
+    """Return the error about an arc whose outline may be on either side; the reason is added."""
     return error(
         "outline-side",
-        f"on which side of the path at ({x:.3f}, {y:.3f}) mm from the start the outline lies is "
-        f"not known: {why}",
+        "on which side of the path at {place} from the start the outline lies is not known",
         _span(program, int(row)),
         hint=CURE,
+        place=Place.of_um(*starts[row].tolist()),
     )
 
 

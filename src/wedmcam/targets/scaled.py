@@ -40,7 +40,8 @@ class Scaled(Stated):
                 "not-reachable",
                 "the controller scales and rounds the arcs of this format: some gaps come out "
                 "farther from the path than is allowed",
-                hint=f"another gap by some um, or --to {self.instead}",
+                hint="another gap by some um, or --to {instead}",
+                instead=self.instead,
             ),
         )
 
@@ -85,7 +86,7 @@ class Scaled(Stated):
         found = gap.corners(plan, self.instead)
         if has_errors(found):
             return None, found
-        grows = gap.grown(plan, program)
+        grows = gap.arc_growth(plan, program)
         data, more = self._encoded(program, grown=grows, **_stated(entries))
         if data and not has_errors(more):
             more = [*more, *self._torn(data, plan, entries)]
@@ -99,10 +100,11 @@ class Scaled(Stated):
         _, found = self.read(data, "program", entries)
         x, y = plan.cuts[0].thread
         return [
-            replace(
-                d.extended(", in the program that starts at {start}", start=Place.of_um(x, y)),
-                span=None,
-                hint_template=f"another --corner or gap, or --to {self.instead}",
+            replace(d, span=None, hint_template=None).extended(
+                ", in the program that starts at {program_start}",
+                hint="another --corner or gap, or --to {instead}",
+                program_start=Place.of_um(x, y),
+                instead=self.instead,
             )
             for d in found
             if d.severity is Severity.ERROR
@@ -118,9 +120,13 @@ class Scaled(Stated):
         """See `Target`."""
         if not _has_arcs(program):
             return []
-        what = "no gap is given: what is shown is the outline; the wire runs beside it by the gap"
-        hint = "wedmcam convert FILE -o path.3b --gap 0.1mm makes the path of it"
-        return [note("no-gap", what, hint=hint)]
+        return [
+            note(
+                "no-gap",
+                "no gap is given: what is shown is the outline; the wire runs beside it by the gap",
+                hint="wedmcam convert FILE -o path.3b --gap 0.1mm makes the path of it",
+            )
+        ]
 
     def senses(self, data: bytes) -> NDArray[np.int64] | None:
         """See `Target`."""
@@ -141,15 +147,19 @@ class Scaled(Stated):
             of = senses[program.blocks["source"]]
             stated: dict[str, Any] = {"gap_um": 0, "outwards": True}
             return self._encoded(program, grown=np.where(of == 0, 1, of), **stated)
-        from wedmcam.targets.outline_side import grown
+        from wedmcam.targets.outline_side import arc_growth
 
         said: list[Diagnostic] = []
         if entries.gap_um is None and _has_arcs(program):
-            what = "no gap is given: the program states the path of the wire as its outline"
-            hint = "enter a gap of 0 at the controller; --gap 0 says that it is meant"
-            said = [note("no-gap", what, hint=hint)]
+            said = [
+                note(
+                    "no-gap",
+                    "no gap is given: the program states the path of the wire as its outline",
+                    hint="enter a gap of 0 at the controller; --gap 0 says that it is meant",
+                )
+            ]
         stated = _stated(entries)
-        grows, found = grown(program, self.machine, stated["gap_um"], entries.outwards)
+        grows, found = arc_growth(program, self.machine, stated["gap_um"], entries.outwards)
         if grows is not None:
             stated["grown"] = grows
             said += found

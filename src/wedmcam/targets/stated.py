@@ -86,13 +86,14 @@ class Stated:
         """See `Target`."""
         if self.machine.writes:
             return None
-        what = f"profile {self.machine.name} reads programs only: it does not state enough to write"
-        names = ", ".join(iso_profiles(lambda m: m.writes))
-        hint = (
-            f"write with a profile that writes ({names}), or with one of your own made for the "
-            "machine; --profile-in reads its programs"
+        return error(
+            "reads-only",
+            "profile {profile} reads programs only: it does not state enough to write",
+            hint="write with a profile that writes ({writers}), or with one of your own made for "
+            "the machine; --profile-in reads its programs",
+            profile=self.machine.name,
+            writers=list(iso_profiles(lambda m: m.writes)),
         )
-        return error("reads-only", what, hint=hint)
 
     @property
     def refuses_carried(self) -> Diagnostic | None:

@@ -5,8 +5,8 @@ A contour is what a wire can follow: a closed loop, or an open chain. The result
 geometry alone: shuffled or reversed entities give the same contours, bit by bit.
 
 In here, as in graph theory: a *node* is a place where ends meet, its *degree* how many; a node of
-degree 1 is a *loose* end; one of odd degree from 3 on is a *branch*, at which nobody can say how
-the contour goes on. At a node of degree 4, 6, ... loops touch: they are told apart where there is
+degree 1 is a *loose* end; one of odd degree from 3 on is a *branch*, where it is open how the
+contour goes on. At a node of degree 4, 6, ... loops touch: they are told apart where there is
 only one way to do so, which is where every segment belongs to at most one loop (a *cactus*).
 """
 
@@ -20,20 +20,18 @@ from dataclasses import astuple, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import LISTED, Diagnostic, EntityRef, Span, error
+from wedmcam.diag import LISTED, Diagnostic, EntityRef, Place, Span, error
 from wedmcam.geom.measure import segment_areas
 from wedmcam.geom.segments import Floats, Ints, boxes, make
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.ir.sketch import Sketch
 from wedmcam.transforms.doubles import (
     columns,
+    drop_copies,
+    drop_zero_length,
     forward,
     is_circle,
-    mm,
-    place,
     steady,
-    without_copies,
-    without_nothing,
     zero_length,
 )
 from wedmcam.transforms.hints import with_linetypes
@@ -93,8 +91,8 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         `open_contour_findings`.
     """
     sources = sketch.sources
-    rows, nothing, found_nothing = without_nothing(sketch.segments, sources)
-    rows, copies, found_copies = without_copies(rows, sources)
+    rows, dropped, found_dropped = drop_zero_length(sketch.segments, sources)
+    rows, copies, found_copies = drop_copies(rows, sources)
     ring = is_circle(rows)
     rings, rows = forward(rows[ring]), rows[~ring]
     joints, found_joins = join(rows, sources, join_um)
@@ -106,7 +104,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         rings = np.concatenate([rings, forward(_full(rows[full]))])
         lost = shut & ~full
         if lost.any():
-            nothing += int(lost.sum())
+            dropped += int(lost.sum())
             found_shut = (zero_length(rows[lost], sources),)
         joints = Joints(
             joints.rows[~shut],
@@ -118,7 +116,7 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         )
     closed, opened, found_branches, branches = _walk(joints, sources)
     contours, placed = _contours(joints, closed, opened, rings, sources)
-    found = (*found_nothing, *found_shut, *found_copies, *found_joins, *found_branches)
+    findings = (*found_dropped, *found_shut, *found_copies, *found_joins, *found_branches)
     report = ChainReport(
         closed=sum(c.closed for c in contours),
         open=sum(not c.closed for c in contours),
@@ -126,9 +124,9 @@ def chain(sketch: Sketch, join_um: float = 10.0) -> Chained:
         joins=joints.joins,
         max_shift_um=joints.max_shift_um,
         duplicates=copies,
-        zero_length=nothing,
+        zero_length=dropped,
     )
-    return contours, report, with_linetypes((*found, *meetings(placed, sources)))
+    return contours, report, with_linetypes((*findings, *meetings(placed, sources)))
 
 
 def _full(rows: Rows) -> Rows:
@@ -142,12 +140,12 @@ def _full(rows: Rows) -> Rows:
 # A *half-edge* is a segment with a direction: 2 e leaves segment e at its start, 2 e + 1 at
 # its end.
 
-Run = list[int]
+Chain = list[int]
 
 
 def _walk(
     joints: Joints, sources: tuple[Span, ...]
-) -> tuple[list[Run], list[Run], tuple[Diagnostic, ...], int]:
+) -> tuple[list[Chain], list[Chain], tuple[Diagnostic, ...], int]:
     """Return closed and open runs of half-edges, and errors where there is no one way to go on."""
     node = joints.nodes.reshape(-1)  # of half-edge h: where it leaves from
     m = len(node)
@@ -161,7 +159,7 @@ def _walk(
     go_on = follow.tolist()
     used = bytearray(m // 2)
 
-    def run_from(h: int) -> Run:
+    def run_from(h: int) -> Chain:
         start, path = h, []
         while True:
             path.append(h)
@@ -175,11 +173,13 @@ def _walk(
     if not (degree > 2).any():
         return closed, runs, (), 0
     more, opened, bad = _untangle(runs, node.tolist(), degree)
-    found = _branch_findings(bad, joints, at, first, degree, sources)
-    return closed + more, opened, found, len(bad)
+    findings = _branch_findings(bad, joints, at, first, degree, sources)
+    return closed + more, opened, findings, len(bad)
 
 
-def _untangle(runs: list[Run], node: list[int], degree: Ints) -> tuple[list[Run], list[Run], Ints]:
+def _untangle(
+    runs: list[Chain], node: list[int], degree: Ints
+) -> tuple[list[Chain], list[Chain], Ints]:
     """Split runs that end at branches or touching points into loops and chains.
 
     Returns:
@@ -198,8 +198,8 @@ def _untangle(runs: list[Run], node: list[int], degree: Ints) -> tuple[list[Run]
     groups: dict[int, list[int]] = {}
     for k, (u, _) in enumerate(ends):
         groups.setdefault(root(u), []).append(k)
-    loops: list[Run] = []
-    chains: list[Run] = []
+    loops: list[Chain] = []
+    chains: list[Chain] = []
     bad: list[int] = []
     for group in groups.values():
         here = sorted({v for k in group for v in ends[k]})
@@ -217,8 +217,8 @@ def _untangle(runs: list[Run], node: list[int], degree: Ints) -> tuple[list[Run]
 
 
 def _loops(
-    group: list[int], runs: list[Run], ends: list[tuple[int, int]], starts: list[int]
-) -> tuple[list[Run], list[Run]]:
+    group: list[int], runs: list[Chain], ends: list[tuple[int, int]], starts: list[int]
+) -> tuple[list[Chain], list[Chain]]:
     """Walk all runs of a connected group, cutting a loop off whenever the walk meets itself."""
     leaving: dict[int, list[int]] = {}
     for k in group:
@@ -226,8 +226,8 @@ def _loops(
         leaving.setdefault(u, []).append(2 * k)
         leaving.setdefault(v, []).append(2 * k + 1)
     used: set[int] = set()
-    loops: list[Run] = []
-    chains: list[Run] = []
+    loops: list[Chain] = []
+    chains: list[Chain] = []
     waiting = list(starts)
     while waiting:
         v = waiting.pop()
@@ -245,7 +245,7 @@ def _loops(
             v = ends[step >> 1][1 - (step & 1)]
             if v in visited:
                 loop = path[visited[v] :]
-                loops.append(_joined(loop, runs))
+                loops.append(_flatten(loop, runs))
                 for s in loop[1:]:
                     gone = ends[s >> 1][s & 1]
                     del visited[gone]
@@ -254,14 +254,14 @@ def _loops(
             else:
                 visited[v] = len(path)
         if path:
-            chains.append(_joined(path, runs))
+            chains.append(_flatten(path, runs))
             waiting += list(visited)
     return loops, chains
 
 
-def _joined(steps: list[int], runs: list[Run]) -> Run:
+def _flatten(steps: list[int], runs: list[Chain]) -> Chain:
     """Return the half-edges of whole runs, each forward (2 k) or backward (2 k + 1)."""
-    out: Run = []
+    out: Chain = []
     for step in steps:
         run = runs[step >> 1]
         out += [h ^ 1 for h in reversed(run)] if step & 1 else run
@@ -277,37 +277,42 @@ def _branch_findings(
     sources: tuple[Span, ...],
 ) -> tuple[Diagnostic, ...]:
     """Return one error for each place in ``bad``, up to `LISTED`."""
-    found = []
+    findings = []
     for v in bad[:LISTED].tolist():
-        x, y = float(joints.x[v]), float(joints.y[v])
+        where = Place.of_um(joints.x[v], joints.y[v])
         rows = at[first[v] : first[v] + degree[v]] // 2
         meet = Counter(joints.rows["source"][rows].tolist())
         known = [k for k in sorted(meet) if 0 <= k < len(sources)]
         closing = [k for k in known if _closing(joints, sources, k) in rows]
-        why = "so the contour branches" if degree[v] % 2 else "in more than one way"
-        hint = "remove what is not to be cut, or put it on a layer of its own"
-        if closing:
-            names = ", ".join(_name(sources[k]) for k in closing)
-            why += f"; one of them is the closing segment of {names}, whose closed flag is set"
-            hint = f"clear the closed flag of {names} if it is to end there; else {hint}"
         notes = []
         for k in known:
             what = f"{meet[k]} segments of this meet there" if meet[k] > 1 else "this meets there"
             notes.append((what + (", one of them closes it" if k in closing else ""), sources[k]))
-        found.append(
-            error(
-                "branch",
-                f"{degree[v]} segments meet at {place(x, y)}, {why}",
-                sources[known[0]] if known else None,
-                notes=tuple(notes),
-                hint=hint,
-                points_mm=((x / 1e3, y / 1e3),),
-            )
+        branch = error(
+            "branch",
+            "{segments} segments meet at {place}, so the contour branches"
+            if degree[v] % 2
+            else "{segments} segments meet at {place}, in more than one way",
+            sources[known[0]] if known else None,
+            notes=tuple(notes),
+            hint="clear the closed flag of {polylines} if it is to end there; else remove what is "
+            "not to be cut, or put it on a layer of its own"
+            if closing
+            else "remove what is not to be cut, or put it on a layer of its own",
+            points_mm=(where,),
+            segments=int(degree[v]),
+            place=where,
+            polylines=[_name(sources[k]) for k in closing],
         )
+        if closing:
+            branch = branch.extended(
+                "; one of them is the closing segment of {polylines}, whose closed flag is set"
+            )
+        findings.append(branch)
     if len(bad) > LISTED:
         more = len(bad) - LISTED
-        found.append(error("branch", f"segments branch at {more} further places", count=more))
-    return tuple(found)
+        findings.append(error("branch", "segments branch at {count} further places", count=more))
+    return tuple(findings)
 
 
 def _name(span: Span) -> str:
@@ -330,8 +335,8 @@ def _closing(joints: Joints, sources: tuple[Span, ...], k: int) -> int:
 
 def _contours(
     joints: Joints,
-    closed: list[Run],
-    opened: list[Run],
+    closed: list[Chain],
+    opened: list[Chain],
     rings: Rows,
     sources: tuple[Span, ...],
 ) -> tuple[tuple[Contour, ...], Placed]:
@@ -340,7 +345,7 @@ def _contours(
     runs = closed + opened
     half = np.array([h for run in runs for h in run], np.int64)
     sizes = np.array([len(run) for run in runs], np.int64)
-    half = _oriented(rows, half, sizes, n)
+    half = _orient(rows, half, sizes, n)
     edge, back = half // 2, half % 2 == 1
     x = np.where(back, rows["x1"][edge], rows["x0"][edge])
     y = np.where(back, rows["y1"][edge], rows["y0"][edge])
@@ -375,7 +380,7 @@ def _contours(
         contours.append(Contour(piece, k < n, sources))
     for ring in rings:
         contours.append(_ring(ring, sources))
-    order = _sorted(rows, edge, offsets, rings, contours)
+    order = _sort(rows, edge, offsets, rings, contours)
     rank = np.empty(len(order), np.int64)
     rank[order] = np.arange(len(order))
     owner = np.full(len(rows) + len(rings), -1, np.int64)
@@ -394,7 +399,7 @@ def _ring(row: np.void, sources: tuple[Span, ...]) -> Contour:
     return Contour(out, True, sources)
 
 
-def _oriented(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
+def _orient(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
     """Return the half-edges with every run in its canonical direction; the first n are closed."""
     if not len(half):
         return half
@@ -416,7 +421,7 @@ def _oriented(rows: Rows, half: Ints, sizes: Ints, n: int) -> Ints:
     return np.where(flip, half ^ 1, half)
 
 
-def _sorted(rows: Rows, edge: Ints, first: Ints, rings: Rows, contours: list[Contour]) -> Ints:
+def _sort(rows: Rows, edge: Ints, first: Ints, rings: Rows, contours: list[Contour]) -> Ints:
     """Return the canonical order: closed before open, then by extents, lowest and left-most first.
 
     Extents are taken without their last digits, which differ with the direction in which an arc
@@ -449,8 +454,9 @@ class _End:
     contour: int
     span: Span | None
 
-    def __str__(self) -> str:
-        return place(self.x, self.y)
+    @property
+    def place(self) -> Place:
+        return Place.of_um(self.x, self.y)
 
 
 def open_contour_findings(
@@ -473,40 +479,45 @@ def open_contour_findings(
             pieces.append(_piece(c))
     loose = [e for pair in ends for e in pair]
     xy = np.array([(e.x, e.y) for e in loose]).reshape(-1, 2)
-    found = []
+    findings = []
     for at, ((first, last), piece) in enumerate(zip(ends[:LISTED], pieces, strict=False)):
         gap = math.hypot(last.x - first.x, last.y - first.y)
         nearest = [_nearest(xy, 2 * at + side, piece is not None) for side in (0, 1)]
         needed = max(d for _, d in nearest)
         if piece is not None and min(d for _, d in nearest) > PROPOSED_UM:
-            found.append(_loose_piece(piece, first, last))
+            findings.append(_loose_piece(piece, first, last))
             continue
-        hint = None
-        if join_um < needed <= PROPOSED_UM:
-            hint = f"--join {_up(needed):.3f} would close the gap"
-        elif needed <= join_um:
-            hint = "the ends lie within --join, but the segment between them is shorter than that"
         notes = []
         for end, (other, d) in zip((first, last), nearest, strict=True):
             if d < math.inf and loose[other].contour != end.contour:
-                text = f"the loose end nearest to {end} is at {loose[other]}, {mm(d)} mm away"
-                notes.append((text, loose[other].span))
-        notes.append((f"the other end is at {last}", last.span))
-        found.append(
+                near = loose[other]
+                text = f"the loose end nearest to {end.place:xy} is at {near.place}, "
+                notes.append((f"{text}{d / 1e3:.3f} mm away", near.span))
+        notes.append((f"the other end is at {last.place}", last.span))
+        findings.append(
             error(
                 "open-contour",
-                f"open contour: its ends {first} and {last} are {mm(gap)} mm apart; "
-                f"gaps up to {mm(join_um)} mm are closed",
+                "open contour: its ends {first:xy} and {last} are {gap_mm:.3f} mm apart; "
+                "gaps up to {join_mm:.3f} mm are closed",
                 first.span,
                 notes=tuple(notes),
-                hint=hint,
-                points_mm=((first.x / 1e3, first.y / 1e3), (last.x / 1e3, last.y / 1e3)),
+                hint="--join {needed_mm:.3f} would close the gap"
+                if join_um < needed <= PROPOSED_UM
+                else "the ends lie within --join, but the segment between them is shorter than that"
+                if needed <= join_um
+                else None,
+                points_mm=(first.place, last.place),
+                first=first.place,
+                last=last.place,
+                gap_mm=gap / 1e3,
+                join_mm=join_um / 1e3,
+                needed_mm=_up(needed) if needed < math.inf else None,
             )
         )
     if len(ends) > LISTED:
         more = len(ends) - LISTED
-        found.append(error("open-contour", f"{more} further contours are open", count=more))
-    return with_linetypes(found)
+        findings.append(error("open-contour", "{count} further contours are open", count=more))
+    return with_linetypes(findings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -534,15 +545,20 @@ def _piece(c: Contour) -> _Piece | None:
 
 def _loose_piece(piece: _Piece, first: _End, last: _End) -> Diagnostic:
     """Return the error about a piece that is far from every other loose end."""
-    text = f"a loose {piece.what} of {mm(piece.length)} mm at {first}"
-    if piece.length > PROPOSED_UM:
-        text = f"a loose {piece.what} of {mm(piece.length)} mm from {first} to {last}"
     return error(
         "open-contour",
-        f"{text}: it belongs to no contour, and no --join can close it",
+        "a loose {piece} of {length_mm:.3f} mm from {first:xy} to {last}: it belongs to no "
+        "contour, and no --join can close it"
+        if piece.length > PROPOSED_UM
+        else "a loose {piece} of {length_mm:.3f} mm at {first}: it belongs to no contour, and "
+        "no --join can close it",
         first.span,
         hint="delete it, or leave it out by its layer, type, line type or colour",
-        points_mm=((first.x / 1e3, first.y / 1e3), (last.x / 1e3, last.y / 1e3)),
+        points_mm=(first.place, last.place),
+        piece=piece.what,
+        length_mm=piece.length / 1e3,
+        first=first.place,
+        last=last.place,
     )
 
 

@@ -13,15 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom import formulas
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.shifted import Shifted
 
-#: A turn below this is a tangent joint: 1 um over 1 mm (radians).
-TANGENT = 1e-3
 #: A centre farther than this from where it belongs is none: 8 digits of 10 m are 1 um.
 MISS_UM = 1.0
 
@@ -34,12 +32,12 @@ def round_corners(
     Inner and outer corners alike; tangent joints stay. The arc takes the source of the segment
     before it. A corner whose neighbours are too short for the arc is an error that names it.
     """
-    result, found = [], []
+    result, findings = [], []
     for contour in contours:
         rounded, problems = _round(contour, radius_um, arithmetic)
         result.append(rounded)
-        found += problems
-    return result, found
+        findings += problems
+    return result, findings
 
 
 def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, list[Diagnostic]]:
@@ -54,11 +52,11 @@ def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, li
     t0x, t0y = seg.start_tangents(s)
     cross = t1x * t0y[nxt] - t1y * t0x[nxt]
     dot = t1x * t0x[nxt] + t1y * t0y[nxt]
-    # A full reversal turns to where the way back lies: what bends tells.
+    # At a full reversal the sign comes from the bends.
     bend = s.turn / np.where(s.turn != 0, s.radius, 1.0)
     back = (dot < 0) & (np.abs(cross) < 1e-6)
     cross = np.where(back, -(bend + bend[nxt]), cross)
-    sharp = (np.abs(np.arctan2(cross, dot)) > TANGENT) | back
+    sharp = (np.abs(np.arctan2(cross, dot)) > seg.TANGENT) | back
     if not contour.closed:
         sharp[-1] = False
     i = np.flatnonzero(sharp)
@@ -85,10 +83,10 @@ def _round(contour: Contour, radius: float, ar: Arithmetic) -> tuple[Contour, li
     rows["x"][i, 1], rows["y"][i, 1] = arcs.x0 + ox, arcs.y0 + oy
     rows["cx"][i, 1], rows["cy"][i, 1] = arcs.cx + ox, arcs.cy + oy
     rows["turn"][i, 1] = side
-    made = rows[np.stack([end - begin > 1e-6, sharp], axis=1)]
+    rounded = rows[np.stack([end - begin > 1e-6, sharp], axis=1)]
     if not contour.closed:
-        made = np.concatenate([made, v[-1:]])
-    return Contour(made, contour.closed, contour.sources), []
+        rounded = np.concatenate([rounded, v[-1:]])
+    return Contour(rounded, contour.closed, contour.sources), []
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,12 +153,15 @@ def _off(s: Segments, shift: Floats, x: Floats, y: Floats) -> Floats:
 def _too_large(
     contour: Contour, s: Segments, i: int, radius: float, origin: tuple[float, float]
 ) -> Diagnostic:
-    x, y = ((float(v[i]) + o) / 1000 for v, o in zip((s.x1, s.y1), origin, strict=True))
+    corner = Place.of_um(s.x1[i] + origin[0], s.y1[i] + origin[1])
     return error(
         "corner-too-large",
-        f"the corner at ({x:.3f}, {y:.3f}) mm cannot be rounded with {radius / 1000:.3f} mm: its "
-        f"neighbours are too short ({s.length[i] / 1000:.3f} mm)",
+        "the corner at {corner} cannot be rounded with {radius_mm:.3f} mm: its neighbours are too "
+        "short ({length_mm:.3f} mm)",
         contour.source_of(i),
-        points_mm=((x, y),),
+        points_mm=(corner,),
         hint="a smaller --corner",
+        corner=corner,
+        radius_mm=radius / 1000,
+        length_mm=float(s.length[i]) / 1000,
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, note, warning
+from wedmcam.diag import Diagnostic, Place, Span, note, warning
 from wedmcam.geom.measure import middles
 from wedmcam.geom.pairs import self_overlapping
 from wedmcam.geom.segments import Floats, Segments, make
@@ -21,23 +21,9 @@ Rows = NDArray[np.void]
 #: float noise may put two ends that were drawn as one.
 NOISE_UM = 1e-3
 #: Two segments are the same where start, middle and end agree within this, um: one grid step ...
-SAME_UM = 1.0
+COPY_UM = 1.0
 #: ... and within this share of their length, so that short neighbours stay two.
-SAME_SHARE = 0.1
-
-
-def mm(um: float) -> str:
-    """Return a length or coordinate in mm for a message; never ``-0.000``.
-
-    >>> mm(-0.2), mm(12500.0)
-    ('0.000', '12.500')
-    """
-    return f"{round(um / 1e3, 3) + 0.0:.3f}"
-
-
-def place(x: float, y: float) -> str:
-    """Return a place, um, in mm for a message."""
-    return f"({mm(x)}, {mm(y)})"
+COPY_SHARE = 0.1
 
 
 def steady(um: Floats) -> Floats:
@@ -81,7 +67,7 @@ def is_circle(rows: Rows) -> NDArray[np.bool_]:
     return np.asarray(full, np.bool_)
 
 
-def without_nothing(
+def drop_zero_length(
     rows: Rows, sources: tuple[Span, ...]
 ) -> tuple[Rows, int, tuple[Diagnostic, ...]]:
     """Drop rows shorter than `NOISE_UM`; a short segment that has a length stays.
@@ -99,14 +85,18 @@ def without_nothing(
 def zero_length(rows: Rows, sources: tuple[Span, ...]) -> Diagnostic:
     """Return the note about ``rows``, which were dropped."""
     first = rows[np.lexsort((rows["y0"], rows["x0"]))[0]]
-    what = "a piece" if len(rows) == 1 else f"{len(rows)} pieces"
-    at = place(float(first["x0"]), float(first["y0"]))
+    at = Place.of_um(first["x0"], first["y0"])
     return note(
         "zero-length",
-        f"{what} without length (under {NOISE_UM:.3f} um) dropped, the first at {at}",
+        "a piece without length (under {least_um:.3f} um) dropped, the first at {first}"
+        if len(rows) == 1
+        else "{count} pieces without length (under {least_um:.3f} um) dropped, the first at "
+        "{first}",
         span_of(first, sources),
-        points_mm=((float(first["x0"]) / 1e3, float(first["y0"]) / 1e3),),
+        points_mm=(at,),
         count=len(rows),
+        least_um=NOISE_UM,
+        first=at,
     )
 
 
@@ -116,9 +106,7 @@ def span_of(row: np.void, sources: tuple[Span, ...]) -> Span | None:
     return sources[at] if 0 <= at < len(sources) else None
 
 
-def without_copies(
-    rows: Rows, sources: tuple[Span, ...]
-) -> tuple[Rows, int, tuple[Diagnostic, ...]]:
+def drop_copies(rows: Rows, sources: tuple[Span, ...]) -> tuple[Rows, int, tuple[Diagnostic, ...]]:
     """Drop every segment that another one repeats, in whatever direction.
 
     Returns:
@@ -148,15 +136,20 @@ def without_copies(
     keep = np.ones(len(rows), np.bool_)
     keep[gone] = False
     first = ahead[gone[np.lexsort((ahead["y0"][gone], ahead["x0"][gone]))[0]]]
-    at = place(float(first["x0"]), float(first["y0"]))
+    at = Place.of_um(first["x0"], first["y0"])
     slits = _slits(rows, gone, original)
-    what = "1 segment is" if len(gone) == 1 else f"{len(gone)} segments are"
     found = note(
         "duplicate",
-        f"{what} drawn twice (within {mm(SAME_UM)} mm); the copies are left out, the first at {at}",
+        "1 segment is drawn twice (within {within_mm:.3f} mm); the copies are left out, the first "
+        "at {first}"
+        if len(gone) == 1
+        else "{count} segments are drawn twice (within {within_mm:.3f} mm); the copies are left "
+        "out, the first at {first}",
         span_of(first, sources),
-        points_mm=((float(first["x0"]) / 1e3, float(first["y0"]) / 1e3),),
+        points_mm=(at,),
         count=len(gone),
+        within_mm=COPY_UM / 1e3,
+        first=at,
     )
     return rows[keep], len(gone), (found, *_slit_findings(ahead, slits, sources))
 
@@ -175,21 +168,25 @@ def _slits(rows: Rows, gone: NDArray[np.int64], original: dict[int, int]) -> lis
 def _slit_findings(
     ahead: Rows, slits: list[int], sources: tuple[Span, ...]
 ) -> tuple[Diagnostic, ...]:
-    """Return a warning about sides of one entity of which one is left out."""
+    """Return a warning about pairs of sides of one entity: one of each is left out."""
     if not slits:
         return ()
     first = ahead[slits[0]]
-    x, y = float(first["x0"]), float(first["y0"])
-    many = "two sides" if len(slits) == 1 else f"{len(slits)} pairs of sides"
+    at = Place.of_um(first["x0"], first["y0"])
     return (
         warning(
             "duplicate",
-            f"{many} of one entity lie within {mm(SAME_UM)} mm of each other, at {place(x, y)}: "
-            "a slit; one of the two is left out",
+            "two sides of one entity lie within {within_mm:.3f} mm of each other, at {first}: "
+            "a slit; one of the two is left out"
+            if len(slits) == 1
+            else "{count} pairs of sides of one entity lie within {within_mm:.3f} mm of each "
+            "other, at {first}: a slit; one of the two is left out",
             span_of(first, sources),
             hint="draw it as one line, or wider than the wire",
-            points_mm=((x / 1e3, y / 1e3),),
+            points_mm=(at,),
             count=len(slits),
+            within_mm=COPY_UM / 1e3,
+            first=at,
         ),
     )
 
@@ -198,7 +195,7 @@ def _near_copies(ahead: Rows, kept: NDArray[np.int64], original: dict[int, int])
     """Add to ``original`` the rows of ``kept`` (by rank) that nearly repeat an earlier one."""
     s = columns(ahead[kept])
     mx, my = middles(s)
-    tol = np.minimum(SAME_UM, SAME_SHARE * s.length)
+    tol = np.minimum(COPY_UM, COPY_SHARE * s.length)
     i, j = self_overlapping((mx - tol / 2, my - tol / 2, mx + tol / 2, my + tol / 2))
     if not len(i):
         return

@@ -14,11 +14,11 @@ from shlex import quote
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, EntityRef, warning
+from wedmcam.diag import Diagnostic, EntityRef, Place, warning
 from wedmcam.geom import measure
 from wedmcam.geom.segments import Floats
 from wedmcam.ir.contour import Contour
-from wedmcam.ir.understanding import Role, counted, place
+from wedmcam.ir.understanding import Role, counted
 from wedmcam.transforms.nest import Nesting
 
 #: A contour that fills so much of its box is a rectangle, chamfers and rounded corners included.
@@ -28,11 +28,17 @@ CORNER = 0.1
 #: ...and has so many texts in it; anywhere else so many.
 TEXTS_IN_CORNER, TEXTS = 1, 3
 #: So many layers are named.
-NAMED = 4
+NAMED_LAYERS = 4
 #: So many frames are listed.
 FRAMES = 10
 #: So many places are marked.
 MARKED = 12
+#: Roles of contours in each other are named down to this depth.
+DEEP = 4
+LAYERS = (
+    "draw what is not to be cut on a layer of its own and leave it out with --ignore-layer, or "
+    "take the layers of the part with --layer"
+)
 
 
 def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
@@ -50,7 +56,7 @@ def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
     for k, parent in enumerate(parents):
         if contours[k].closed:
             children.setdefault(parent, []).append(k)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     frames = set()
     for k in children.get(-1, ()):
         inner = children.get(k, [])
@@ -62,18 +68,20 @@ def doubtful(nesting: Nesting, texts: Floats) -> tuple[Diagnostic, ...]:
         )
         if parts or titles:
             frames.add(k)
-            found.append(_frame(nesting, k, boxes, parts, titles))
-    if len(found) > FRAMES:
-        more = f"{len(found) - FRAMES} further rectangles like these"
-        found[FRAMES:] = [warning("drawing-frame", more, count=len(found) - FRAMES)]
+            findings.append(_frame(nesting, k, boxes, parts, titles))
+    if len(findings) > FRAMES:
+        more = len(findings) - FRAMES
+        findings[FRAMES:] = [
+            warning("drawing-frame", "{count} further rectangles like these", count=more)
+        ]
     deep = [
         k
         for k, depth in enumerate(nesting.depths)
         if depth > 1 and contours[k].closed and _outermost(k, parents) not in frames
     ]
     if deep:
-        found.append(_deep(nesting, deep, boxes))
-    return tuple(found)
+        findings.append(_deep(nesting, deep, boxes))
+    return tuple(findings)
 
 
 def _outermost(k: int, parents: Sequence[int]) -> int:
@@ -118,67 +126,95 @@ def _layers(contours: Sequence[Contour]) -> list[str]:
     return sorted({span.layer for span in spans if isinstance(span, EntityRef)})
 
 
-def _hint(nesting: Nesting, those: Sequence[int]) -> str:
-    """Return how to leave contours out: by their layers, where these hold nothing else."""
+def _by_layers(nesting: Nesting, those: Sequence[int]) -> tuple[str, str]:
+    """Return the options that leave contours out and that take the others, by their layers.
+
+    Empty where the layers hold something else, too.
+    """
     drop = set(those)
     own = _layers([nesting.contours[k] for k in those])
     rest = _layers([c for k, c in enumerate(nesting.contours) if k not in drop])
     if own and rest and not set(own) & set(rest):
-        leave = " ".join(f"--ignore-layer {quote(name)}" for name in own[:NAMED])
-        take = " ".join(f"--layer {quote(name)}" for name in rest[:NAMED])
-        return f"{leave} leaves out what is not to be cut; or {take}"
-    return (
-        "draw what is not to be cut on a layer of its own and leave it out with --ignore-layer, or "
-        "take the layers of the part with --layer"
-    )
+        leave = " ".join(f"--ignore-layer {quote(name)}" for name in own[:NAMED_LAYERS])
+        take = " ".join(f"--layer {quote(name)}" for name in rest[:NAMED_LAYERS])
+        return leave, take
+    return "", ""
 
 
-def _size(box: Floats) -> str:
-    return f"{(box[2] - box[0]) / 1000:.3f} x {(box[3] - box[1]) / 1000:.3f} mm"
+def _size_mm(box: Floats) -> tuple[float, float]:
+    return float(box[2] - box[0]) / 1000, float(box[3] - box[1]) / 1000
 
 
 def _frame(
     nesting: Nesting, k: int, boxes: Floats, parts: Sequence[int], titles: Sequence[int]
 ) -> Diagnostic:
-    inside = [j for j, parent in enumerate(nesting.parents) if parent == k]
-    some = f"{len(parts)} of which have" if len(parts) > 1 else "one of which has"
-    what = f"{some if len(inside) > 1 else 'which has'} others inside"
-    if not parts:
-        what = f"of which the one at {place(boxes[titles[0]][:2])} mm is a title block, written in"
-    many = f"{len(inside)} contour{'s' * (len(inside) > 1)}"
-    text = (
-        f"the rectangle of {_size(boxes[k])} at {place(boxes[k][:2])} mm lies round {many}, "
-        f"{what}: if it is the frame of the drawing, it is cut as outer contour and the parts in "
-        "it as holes"
-    )
-    return warning(
+    inside = sum(parent == k for parent in nesting.parents)
+    width, height = _size_mm(boxes[k])
+    leave, take = _by_layers(nesting, [k, *titles])
+    frame = warning(
         "drawing-frame",
-        text,
+        "the rectangle of {width_mm:.3f} x {height_mm:.3f} mm at {place} lies round 1 contour"
+        if inside == 1
+        else "the rectangle of {width_mm:.3f} x {height_mm:.3f} mm at {place} lies round "
+        "{contours} contours",
         nesting.contours[k].source_of(0),
-        hint=_hint(nesting, [k, *titles]),
+        hint="{leave_out} leaves out what is not to be cut; or {take}" if leave else LAYERS,
         points_mm=_marks(nesting, [k, *titles]),
+        width_mm=width,
+        height_mm=height,
+        place=Place.of_um(*boxes[k][:2]),
+        contours=inside,
+        leave_out=leave,
+        take=take,
+    )
+    if parts:
+        frame = frame.extended(
+            ", which has others inside"
+            if inside == 1
+            else ", one of which has others inside"
+            if len(parts) == 1
+            else ", {parts} of which have others inside",
+            parts=len(parts),
+        )
+    else:
+        frame = frame.extended(
+            "; the one at {title} is a title block, written in",
+            title=Place.of_um(*boxes[titles[0]][:2]),
+        )
+    return frame.extended(
+        ": if it is the frame of the drawing, it is cut as outer contour and the parts in it as "
+        "holes"
     )
 
 
 def _deep(nesting: Nesting, deep: Sequence[int], boxes: Floats) -> Diagnostic:
     worst = max(deep, key=lambda k: (nesting.depths[k], -k))
     depth = nesting.depths[worst]
-    way = ", ".join(str(Role.of(True, d)) for d in range(min(depth, 4) + 1))
-    way += ", ..." if depth > 4 else ""
-    roles = counted(Role.of(True, nesting.depths[k]) for k in deep)
-    others = f"; {roles} lie so" if len(deep) > 1 else ""
-    text = (
-        f"the contour of {_size(boxes[worst])} at {place(boxes[worst][:2])} mm lies {depth + 1} "
-        f"deep ({way}){others}: every island is a part of its own, which comes loose"
-    )
-    return warning(
+    width, height = _size_mm(boxes[worst])
+    leave, take = _by_layers(nesting, deep)
+    finding = warning(
         "deep-nesting",
-        text,
+        "the contour of {width_mm:.3f} x {height_mm:.3f} mm at {place} lies {deep} deep "
+        "({roles}, ...)"
+        if depth > DEEP
+        else "the contour of {width_mm:.3f} x {height_mm:.3f} mm at {place} lies {deep} deep "
+        "({roles})",
         nesting.contours[worst].source_of(0),
-        hint=_hint(nesting, deep),
+        hint="{leave_out} leaves out what is not to be cut; or {take}" if leave else LAYERS,
         points_mm=_marks(nesting, deep),
         count=len(deep),
+        width_mm=width,
+        height_mm=height,
+        place=Place.of_um(*boxes[worst][:2]),
+        deep=depth + 1,
+        roles=[str(Role.of(True, d)) for d in range(min(depth, DEEP) + 1)],
+        leave_out=leave,
+        take=take,
     )
+    if len(deep) > 1:
+        roles = counted(Role.of(True, nesting.depths[k]) for k in deep)
+        finding = finding.extended("; {all_roles} lie so", all_roles=roles)
+    return finding.extended(": every island is a part of its own, which comes loose")
 
 
 def _marks(nesting: Nesting, those: Sequence[int]) -> tuple[tuple[float, float], ...]:

@@ -7,7 +7,6 @@ type of its own, it is most likely no outline, and the way to leave it out is kn
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from wedmcam.diag import Diagnostic, EntityRef
 
@@ -19,23 +18,25 @@ CODES = frozenset(
 
 def with_linetypes(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Return findings whose hints say how to leave line types out that they are about."""
-    return tuple(_hinted(d) for d in found)
+    return tuple(_with_linetype(d) for d in found)
 
 
-def _hinted(d: Diagnostic) -> Diagnostic:
+def _with_linetype(d: Diagnostic) -> Diagnostic:
     if d.code not in CODES:
         return d
     spans = [d.span, *(span for _, span in d.notes)]
     names = {s.linetype: None for s in spans if isinstance(s, EntityRef) and s.linetype}
     if not names:
         return d
-    options = " ".join(f"--ignore-linetype {quoted(name)}" for name in names)
-    more = (
-        f"; {options} leaves that line type out" if d.hint_template else f"{options} leaves it out"
+    options = " ".join(f"--ignore-linetype {quote(name)}" for name in names)
+    return d.extended(
+        hint="; {leave_out} leaves that line type out"
+        if d.hint_template
+        else "{leave_out} leaves it out",
+        leave_out=options,
     )
-    return replace(d, hint_template=(d.hint_template or "") + more)
 
 
-def quoted(name: str) -> str:
+def quote(name: str) -> str:
     """Return a name as a shell takes it."""
     return f"'{name}'" if set(name) & set(' ()*?$&;[]|<>#!"') else name

@@ -1,7 +1,7 @@
 """Which ends meet: exactly, but for float noise, or but for a gap that may be closed.
 
 Ends meet by distance, never by rounding: a rounded coordinate splits two ends that lie on either
-side of a half. Only ends that meet nobody exactly look for a neighbour, nearest pair first, and
+side of a half. Only ends that meet no other exactly look for a neighbour, nearest pair first, and
 each gets one: a row of ends, each within the tolerance of the next, does not collapse into a point.
 The tolerance is a length in um and knows nothing of the size of the drawing.
 """
@@ -9,14 +9,15 @@ The tolerance is a length in um and knows nothing of the size of the drawing.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error, note
+from wedmcam.diag import Diagnostic, Place, Span, error, note
 from wedmcam.geom.pairs import self_overlapping
 from wedmcam.geom.segments import Floats, Ints, Segments
-from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of
+from wedmcam.transforms.doubles import NOISE_UM, columns, span_of
 
 Rows = NDArray[np.void]
 
@@ -76,7 +77,6 @@ def join(
     node[order] = np.cumsum(new) - 1
     px, py = x[order[new]], y[order[new]]  # nodes in order of (x, y)
     target = np.arange(len(px))
-    degree = np.bincount(node, minlength=len(px))
     by_line = np.zeros(len(px), np.bool_)
     by_line[node[np.tile(rows["turn"] == 0, 2)]] = True
 
@@ -84,19 +84,19 @@ def join(
     i, j, _ = near_pairs(px, py, NOISE_UM)
     if len(i):
         _cluster(target, i, j, by_line)
-        degree = np.bincount(target[node], minlength=len(px))
     node = target[node]
-    swing = columns(rows).sweep > np.pi
-    joins, found = _close_gaps(rows, sources, node, px, py, degree, swing, join_um, target)
+    gaps, target = _gaps(rows, node, px, py, join_um)
+    for gap in gaps:
+        a, b = gap.kept, gap.other
+        px[a], py[a] = 0.5 * (px[a] + px[b]), 0.5 * (py[a] + py[b])
     node = target[node]
     # Places that a join moved are no node of before: they follow from target via px, py.
     ends = node.reshape(2, m).T
-    moved, belly, more = _moved(rows, sources, ends, px, py, join_um)
-    shift = max([d / 2 for d in joins], default=0.0)
-    return (
-        Joints(moved, ends, px, py, len(joins), max(shift, belly)),
-        found + more,
-    )
+    moved, belly, findings = _move_ends(rows, sources, ends, px, py, join_um)
+    shift = max([gap.um / 2 for gap in gaps], default=0.0)
+    if gaps:
+        findings = (_gaps_closed(rows, sources, px, py, gaps), *findings)
+    return Joints(moved, ends, px, py, len(gaps), max(shift, belly)), findings
 
 
 def _cluster(target: Ints, i: Ints, j: Ints, by_line: NDArray[np.bool_]) -> None:
@@ -112,25 +112,35 @@ def _cluster(target: Ints, i: Ints, j: Ints, by_line: NDArray[np.bool_]) -> None
     target[:] = rank % n
 
 
-def _close_gaps(
-    rows: Rows,
-    sources: tuple[Span, ...],
-    node: Ints,
-    px: Floats,
-    py: Floats,
-    degree: Ints,
-    swing: NDArray[np.bool_],
-    join_um: float,
-    target: Ints,
-) -> tuple[list[float], tuple[Diagnostic, ...]]:
-    """Join loose ends to their nearest, in ``target``, ``px`` and ``py``; return the gaps."""
+class _Gap(NamedTuple):
+    """Two nodes that are joined in the middle, ``um`` apart; ``kept`` is the node of both then.
+
+    ``row``: a segment that ends there.
+    """
+
+    um: float
+    kept: int
+    other: int
+    row: int
+
+
+def _gaps(
+    rows: Rows, node: Ints, px: Floats, py: Floats, join_um: float
+) -> tuple[list[_Gap], Ints]:
+    """Return the gaps between loose ends and their nearest, and what becomes of each node.
+
+    ``node``: of all starts, then of all ends.
+    """
+    degree = np.bincount(node, minlength=len(px))
+    target = np.arange(len(px))
     odd = np.flatnonzero(degree % 2)
     i, j, d = near_pairs(px[odd], py[odd], join_um)
     i, j = odd[i], odd[j]
     keep = (degree[i] == 1) | (degree[j] == 1)
     i, j, d = i[keep], j[keep], d[keep]
     if not len(i):
-        return [], ()
+        return [], target
+    swing = columns(rows).sweep > np.pi
     # Nodes are numbered by (x, y), so i < j breaks ties by place and not by order of drawing.
     order = np.lexsort((j, i, d))
     m = len(rows)
@@ -139,8 +149,7 @@ def _close_gaps(
     other = np.full(len(px), -1, np.int64)
     other[node] = np.roll(node, m)  # and of a loose end: the other end of that segment
     taken: set[int] = set()
-    gaps: list[float] = []
-    listed: list[tuple[float, int]] = []
+    gaps: list[_Gap] = []
     for a, b, gap in zip(i[order].tolist(), j[order].tolist(), d[order].tolist(), strict=True):
         if a in taken or b in taken:
             continue
@@ -148,33 +157,39 @@ def _close_gaps(
         if other[loose] == (b if loose == a else a) and not swing[edge[loose]]:
             continue  # a short segment would vanish
         taken.update((a, b))
-        gaps.append(gap)
-        if gap >= LISTED_UM:
-            listed.append((gap, a))
+        gaps.append(_Gap(gap, a, b, int(edge[a])))
         target[b] = a
-        px[a], py[a] = 0.5 * (px[a] + px[b]), 0.5 * (py[a] + py[b])
-    if not gaps:
-        return [], ()
+    return gaps, target
+
+
+def _gaps_closed(
+    rows: Rows, sources: tuple[Span, ...], px: Floats, py: Floats, gaps: list[_Gap]
+) -> Diagnostic:
+    """Return the note on gaps that were closed, with the places of those that can be seen."""
+    listed = [gap for gap in gaps if gap.um >= LISTED_UM]
     few = len(gaps) - len(listed)
-    what = "1 gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
-    text = f"{what} between ends closed"
-    text += f", the largest {mm(max(gaps))} mm" if listed else ""
-    text += f"; {few} of them under {mm(LISTED_UM)} mm" if few else ""
-    places = sorted((float(px[a]), float(py[a]), gap, a) for gap, a in listed)
-    found = note(
+    places = sorted((Place.of_um(px[gap.kept], py[gap.kept]), gap) for gap in listed)
+    finding = note(
         "join",
-        text,
+        "1 gap between ends closed" if len(gaps) == 1 else "{count} gaps between ends closed",
         notes=tuple(
-            (f"{mm(gap)} mm at {place(u, v)}", span_of(rows[edge[a]], sources))
-            for u, v, gap, a in places
+            (f"{gap.um / 1e3:.3f} mm at {at}", span_of(rows[gap.row], sources))
+            for at, gap in places
         ),
-        points_mm=tuple((u / 1e3, v / 1e3) for u, v, _, _ in places),
+        points_mm=tuple(at for at, _ in places),
         count=len(gaps),
     )
-    return gaps, (found,)
+    if listed:
+        largest = max(gap.um for gap in gaps)
+        finding = finding.extended(", the largest {largest_mm:.3f} mm", largest_mm=largest / 1e3)
+    if few:
+        finding = finding.extended(
+            "; {few} of them under {least_mm:.3f} mm", few=few, least_mm=LISTED_UM / 1e3
+        )
+    return finding
 
 
-def _moved(
+def _move_ends(
     rows: Rows, sources: tuple[Span, ...], ends: Ints, px: Floats, py: Floats, join_um: float
 ) -> tuple[Rows, float, tuple[Diagnostic, ...]]:
     """Return the rows with their ends on their nodes, and how far arcs moved at most."""
@@ -190,22 +205,25 @@ def _moved(
     if not len(arc):
         return out, 0.0, ()
     # Counter-clockwise, whatever way it was drawn: direction must not change a digit.
-    cx, cy, belly = _refitted(columns(_ccw(rows[arc])), _ccw(out[arc]), shift[arc])
+    cx, cy, belly = _refit(columns(_ccw(rows[arc])), _ccw(out[arc]), shift[arc])
     out["cx"][arc], out["cy"][arc] = cx, cy
-    found = []
+    findings = []
     for k in np.flatnonzero(belly > BELLY * join_um).tolist():
-        x, y = float(out["x0"][arc[k]]), float(out["y0"][arc[k]])
-        found.append(
+        start = Place.of_um(out["x0"][arc[k]], out["y0"][arc[k]])
+        findings.append(
             error(
                 "join-moves-arc",
-                f"closing a gap of {mm(2 * shift[arc[k]])} mm at the arc that starts at "
-                f"{place(x, y)} would move the arc by {mm(belly[k])} mm",
+                "closing a gap of {gap_mm:.3f} mm at the arc that starts at {start} would move "
+                "the arc by {moved_mm:.3f} mm",
                 span_of(rows[arc[k]], sources),
                 hint="draw the arc to its end, or join less with --join",
-                points_mm=((x / 1e3, y / 1e3),),
+                points_mm=(start,),
+                gap_mm=2 * float(shift[arc[k]]) / 1e3,
+                start=start,
+                moved_mm=float(belly[k]) / 1e3,
             )
         )
-    return out, float(belly.max()), tuple(found)
+    return out, float(belly.max()), tuple(findings)
 
 
 def _ccw(rows: Rows) -> Rows:
@@ -218,7 +236,7 @@ def _ccw(rows: Rows) -> Rows:
     return out
 
 
-def _refitted(old: Segments, new: Rows, shift: Floats) -> tuple[Floats, Floats, Floats]:
+def _refit(old: Segments, new: Rows, shift: Floats) -> tuple[Floats, Floats, Floats]:
     """Return centres of counter-clockwise arcs between new ends, and how far each belly moved.
 
     The radius is kept where that keeps the arc in place. Near a half circle it cannot: shortening

@@ -107,20 +107,29 @@ def _untaken(rules: Sequence[Rule], cutting: Cutting) -> list[Diagnostic]:
     if not rules or any(rule.clearance_um for rule in rules):
         return []
     who = cutting.clearance_on
-    other = "punch" if who == "die" else "die"
-    text = f"--clearance is taken by the {who}, and no contour of the drawing is cut as one"
-    hint = f"--clearance-on {other}, or --layer-side for the layer that is the {who}"
-    return [warning("clearance-untaken", text, hint=hint)]
+    return [
+        warning(
+            "clearance-untaken",
+            "--clearance is taken by the {taker}, and no contour of the drawing is cut as one",
+            hint="--clearance-on {other}, or --layer-side for the layer that is the {taker}",
+            taker=who,
+            other="punch" if who == "die" else "die",
+        )
+    ]
 
 
 def _missing(cut: set[str], cutting: Cutting, wished: Set[str]) -> list[Diagnostic]:
     """Return an error for each name for which there is no layer with something to cut."""
-    there = ", ".join(sorted(cut)[:12]) or "none"
     return [
         error(
             "no-such-layer",
-            f"{option_of(field)} {name}: nothing to cut is on a layer of this name",
-            hint=f"layers with something to cut: {there}",
+            "{option} {layer}: nothing to cut is on a layer of this name",
+            hint="layers with something to cut: {layers}"
+            if cut
+            else "layers with something to cut: none",
+            option=option_of(field),
+            layer=name,
+            layers=sorted(cut)[:12],
         )
         for field in ("layer_sides", "layer_offsets")
         if field in wished

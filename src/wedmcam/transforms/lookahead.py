@@ -249,7 +249,7 @@ def _nothing(s: Segments, k: int) -> Lost:
 def _turned_back(s: Segments) -> Lost | None:
     """Return the first block that runs back on another one."""
     best: tuple[int, int, float, float] | None = None
-    boxes = pairs.grown(seg.boxes(s), SAME_UM)
+    boxes = pairs.grow(seg.boxes(s), SAME_UM)
     for share in SHARES:
         x, y = seg.points_at(s, share * s.length)
         tx, ty = seg.tangents_at(s, share * s.length)
@@ -277,10 +277,10 @@ def _too_near(path: _Path, s: Segments, least: Floats) -> Lost | None:
     """
     e, limit = path.elements, np.maximum(least[path.row] - NEARER_UM, 0.0)
     left, low, right, high = seg.boxes(e)
-    grown = (left - limit, low - limit, right + limit, high + limit)
+    grow = (left - limit, low - limit, right + limit, high + limit)
     through = _ways(s)
     worst: tuple[int, int, float, tuple[float, float]] | None = None
-    for i, j in pairs.overlapping_parts(grown, seg.boxes(s), MOST_PAIRS):
+    for i, j in pairs.overlapping_parts(grow, seg.boxes(s), MOST_PAIRS):
         k = (path.row[i] != j) & ~through[j] & (limit[i] > 0)
         i, j = i[k], j[k]
         if not len(i):

@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import LISTED, Diagnostic, Span, error, warning
+from wedmcam.diag import LISTED, Diagnostic, Place, Span, error, warning
 from wedmcam.geom import crossings
 from wedmcam.geom.gaps import beside
-from wedmcam.geom.pairs import grown, self_overlapping_parts
+from wedmcam.geom.pairs import grow, self_overlapping_parts
 from wedmcam.geom.segments import (
     TAU,
     Floats,
@@ -31,20 +31,18 @@ from wedmcam.geom.segments import (
 )
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import SEGMENT
-from wedmcam.transforms.doubles import NOISE_UM, columns, mm, place, span_of, steady
-from wedmcam.transforms.walls import MOST, TWICE_UM
+from wedmcam.transforms.doubles import NOISE_UM, columns, span_of, steady
+from wedmcam.transforms.walls import MOST, TOUCH_UM, TWICE_UM
 
 Rows = NDArray[np.void]
 Bools = NDArray[np.bool_]
 
-#: Up to this depth, um, one contour touches the other and does not cross it.
-TOUCH_UM = 0.01
 #: Lines, or arcs of one circle, this near to each other run on top of each other, um ...
 ON_TOP_UM = 1.0
 #: ... where they do so for more than this length, um.
 ALONG_UM = 1.0
 #: How far from a vertex to look at which side a contour leaves it, um.
-STEP_UM = 50.0
+AWAY_UM = 50.0
 #: Contours that meet at fewer places than this are not one that is drawn twice, if they do not
 #: cross at two at least.
 SEVERAL = 4
@@ -122,29 +120,32 @@ def meetings(placed: Placed, sources: tuple[Span, ...]) -> tuple[Diagnostic, ...
         return ()
     s = columns(placed.rows)
     met, complete = _met(placed, s)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if not complete and not met.many:
-        text = (
-            f"more than {MOST_PAIRS:,} pairs of segments lie over each other: the drawing is too "
-            "dense to be looked through"
+        findings.append(
+            error(
+                "too-large",
+                "more than {most:,} pairs of segments lie over each other: the drawing is too "
+                "dense to be looked through",
+                hint="put what is not to be cut on another layer",
+                most=MOST_PAIRS,
+            )
         )
-        found.append(error("too-large", text, hint="put what is not to be cut on another layer"))
     hits, cross, on_top = met.hits, met.cross, met.on_top
-    least = "" if complete else "at least "
     pairs = placed.owner[hits.i], placed.owner[hits.j]
     owners = [placed.owner[k] for k in on_top[:2]]
     over_pairs, pairs_of_hits = _sorted_pairs(*owners), _sorted_pairs(*pairs)
     crossing = [pairs_of_hits[k] for k in np.flatnonzero(cross).tolist()]
-    twice, said = _twice(placed, sources, s, over_pairs, crossing)
-    found += said
+    twice, errors = _twice(placed, sources, s, over_pairs, crossing)
+    findings += errors
     once = np.array([p not in twice for p in over_pairs], bool)
     i, j, x, y, along = (v[once] for v in on_top)
-    found += _overlaps(placed, sources, i, j, x, y, along, least=least)
+    findings += _overlaps(placed, sources, i, j, x, y, along, complete=complete)
     of_twice = np.array([p in twice for p in pairs_of_hits], bool)
-    found += _crossings(placed, sources, hits, cross & ~of_twice, pairs, least)
+    findings += _crossings(placed, sources, hits, cross & ~of_twice, pairs, complete)
     crossed = set(zip(*(np.sort(np.stack(pairs), axis=0)[:, cross]).tolist(), strict=True))
-    found += _touches(placed, sources, s, hits, ~cross, pairs, crossed)
-    return tuple(found)
+    findings += _touches(placed, sources, s, hits, ~cross, pairs, crossed)
+    return tuple(findings)
 
 
 class _Met(NamedTuple):
@@ -172,7 +173,7 @@ def _met(placed: Placed, s: Segments) -> tuple[_Met, bool]:
     branching = placed.owner < 0
     if int(branching.sum()) > MANY_BRANCHING:  # a star of so many lines is refused as it is
         looked = np.flatnonzero(~branching)
-    box = tuple(side[looked] for side in grown(boxes(s), TOUCH_UM))
+    box = tuple(side[looked] for side in grow(boxes(s), TOUCH_UM))
     met = _Met(*_of_pairs(placed, s, looked[:0], looked[:0]))
     seen = 0
     for i, j in self_overlapping_parts((box[0], box[1], box[2], box[3]), PART):
@@ -241,7 +242,7 @@ def _twice(
     their length.
     """
     crosses, meets = Counter(crossing), Counter([*over, *crossing])
-    twice, found = set(), []
+    twice, findings = set(), []
     likely = [
         (-times, pair)
         for pair, times in meets.items()
@@ -254,26 +255,29 @@ def _twice(
             continue
         twice.add((a, b))
         first, second = _two(placed, sources, int(one[0]), int(other[0]))
-        x, y = float(s.x0[one[0]]), float(s.y0[one[0]])
-        text = (
-            f"two contours run beside each other, up to {mm(far)} mm apart, and meet {-times} "
-            f"times: the outline at {place(x, y)} mm seems drawn twice"
-        )
-        found.append(
+        outline = Place.of_um(s.x0[one[0]], s.y0[one[0]])
+        findings.append(
             error(
                 "drawn-twice",
-                text,
+                "two contours run beside each other, up to {apart_mm:.3f} mm apart, and meet "
+                "{times} times: the outline at {outline} seems drawn twice",
                 first,
                 notes=(("the other one", second),),
                 hint="remove one of the two",
-                points_mm=((x / 1e3, y / 1e3),),
+                points_mm=(outline,),
+                apart_mm=far / 1e3,
+                times=-times,
+                outline=outline,
             )
         )
-    if len(found) > LISTED:
-        more = len(found) - LISTED
-        text = f"{more} further pairs of contours seem to be one that is drawn twice"
-        found = [*found[:LISTED], error("drawn-twice", text, count=more)]
-    return twice, found
+    if len(findings) > LISTED:
+        more = error(
+            "drawn-twice",
+            "{count} further pairs of contours seem to be one that is drawn twice",
+            count=len(findings) - LISTED,
+        )
+        findings = [*findings[:LISTED], more]
+    return twice, findings
 
 
 def _closes(placed: Placed, rows: Ints) -> bool:
@@ -385,29 +389,40 @@ def _overlaps(
     y: Floats,
     along: Floats,
     *,
-    least: str,
+    complete: bool,
 ) -> list[Diagnostic]:
-    """Return one error for each pair of segments on top of each other."""
-    found = []
+    """Return one error for each pair of segments on top of each other.
+
+    ``complete``: there are no more of them than these.
+    """
+    findings = []
     order = np.lexsort((steady(along), steady(x), steady(y)))
     for k in order[:LISTED].tolist():
-        u, v = float(x[k]), float(y[k])
+        middle = Place.of_um(x[k], y[k])
         first, second = _two(placed, sources, int(i[k]), int(j[k]))
-        found.append(
+        findings.append(
             error(
                 "overlap",
-                f"two segments run on top of each other for {mm(along[k])} mm at {place(u, v)}",
+                "two segments run on top of each other for {length_mm:.3f} mm at {place}",
                 first,
                 notes=(("the other one", second),),
                 hint="remove one of them, or what both have in common",
-                points_mm=((u / 1e3, v / 1e3),),
+                points_mm=(middle,),
+                length_mm=float(along[k]) / 1e3,
+                place=middle,
             )
         )
     if len(order) > LISTED:
-        more = len(order) - LISTED
-        text = f"{least}{more} further pairs of segments run on top of each other"
-        found.append(error("overlap", text, count=more))
-    return found
+        findings.append(
+            error(
+                "overlap",
+                "{count} further pairs of segments run on top of each other"
+                if complete
+                else "at least {count} further pairs of segments run on top of each other",
+                count=len(order) - LISTED,
+            )
+        )
+    return findings
 
 
 def _two(
@@ -454,7 +469,7 @@ def _through(
 def _arm(placed: Placed, s: Segments, edge: int, node: int) -> tuple[float, float]:
     """Return a point on segment ``edge`` a little away from its end at ``node``."""
     length = float(s.length[edge])
-    step = min(STEP_UM, 0.5 * length)
+    step = min(AWAY_UM, 0.5 * length)
     at = step if placed.nodes[edge][0] == node else length - step
     x, y = points_at(s.take(np.array([edge])), np.array([at]))
     return float(x[0]), float(y[0])
@@ -470,7 +485,7 @@ def _side(s: Segments, on: int, point: tuple[float, float]) -> int:
     return 0 if abs(off) <= TOUCH_UM else (1 if off > 0 else -1)
 
 
-def _grouped(
+def _group_hits(
     hits: crossings.Crossings, which: Bools, pairs: tuple[Ints, Ints]
 ) -> list[tuple[tuple[int, int], list[int]]]:
     """Return hits by pair of contours, each from the lowest place on, pairs in that order too."""
@@ -490,31 +505,44 @@ def _crossings(
     hits: crossings.Crossings,
     which: Bools,
     pairs: tuple[Ints, Ints],
-    least: str = "",
+    complete: bool = True,
 ) -> list[Diagnostic]:
-    """Return one error for each contour that crosses itself and each pair that crosses."""
-    found = []
-    groups = _grouped(hits, which, pairs)
+    """Return one error for each contour that crosses itself and each pair that crosses.
+
+    ``complete``: there are no more of them than these.
+    """
+    findings = []
+    groups = _group_hits(hits, which, pairs)
     for (a, b), group in groups[:LISTED]:
         places = _places(hits, group)
-        times = f", and at {len(places) - 1} further places" if len(places) > 1 else ""
         first, second = _two(placed, sources, int(hits.i[group[0]]), int(hits.j[group[0]]))
-        where = place(1e3 * places[0][0], 1e3 * places[0][1])
-        code, text, hint = (
-            ("self-crossing", f"a contour crosses itself at {where}{times}", "redraw it there")
+        crossing = error(
+            "self-crossing" if a == b else "crossing-contours",
+            "a contour crosses itself at {place}" if a == b else "two contours cross at {place}",
+            first,
+            notes=(("it meets this", second),),
+            hint="redraw it there"
             if a == b
-            else (
+            else "trim them, or put what is not to be cut on a layer of its own",
+            points_mm=places,
+            place=places[0],
+        )
+        if len(places) > 1:
+            crossing = crossing.extended(
+                ", and at {further} further places", further=len(places) - 1
+            )
+        findings.append(crossing)
+    if len(groups) > LISTED:
+        findings.append(
+            error(
                 "crossing-contours",
-                f"two contours cross at {where}{times}",
-                "trim them, or put what is not to be cut on a layer of its own",
+                "{count} further pairs cross"
+                if complete
+                else "at least {count} further pairs cross",
+                count=len(groups) - LISTED,
             )
         )
-        notes = (("it meets this", second),)
-        found.append(error(code, text, first, notes=notes, hint=hint, points_mm=places))
-    if len(groups) > LISTED:
-        more = len(groups) - LISTED
-        found.append(error("crossing-contours", f"{least}{more} further pairs cross", count=more))
-    return found
+    return findings
 
 
 def _touches(
@@ -527,9 +555,9 @@ def _touches(
     crossed: set[tuple[int, int]],
 ) -> list[Diagnostic]:
     """Return one warning for each pair of contours that touch and do not cross."""
-    found = []
-    touching: dict[tuple[int, int], tuple[tuple[float, float], int, int]] = {}
-    for pair, group in _grouped(hits, which, pairs):
+    findings = []
+    touching: dict[tuple[int, int], tuple[Place, int, int]] = {}
+    for pair, group in _group_hits(hits, which, pairs):
         touching[pair] = _places(hits, group)[0], int(hits.i[group[0]]), int(hits.j[group[0]])
     for pair, spot, i, j in _common_nodes(placed, s):
         touching.setdefault(pair, (spot, i, j))
@@ -540,25 +568,25 @@ def _touches(
     )
     for y, x, (a, b), i, j in rest[:LISTED]:
         first, second = _two(placed, sources, i, j)
-        who = "a contour touches itself" if a == b else "two contours touch"
-        found.append(
+        findings.append(
             warning(
                 "contours-touch",
-                f"{who} at {place(1e3 * x, 1e3 * y)}; nothing is left of the material there",
+                "a contour touches itself at {place}; nothing is left of the material there"
+                if a == b
+                else "two contours touch at {place}; nothing is left of the material there",
                 first,
                 notes=(("it touches this", second),),
                 points_mm=((x, y),),
+                place=Place(x, y),
             )
         )
     if len(rest) > LISTED:
         more = len(rest) - LISTED
-        found.append(warning("contours-touch", f"contours touch at {more} more", count=more))
-    return found
+        findings.append(warning("contours-touch", "contours touch at {count} more", count=more))
+    return findings
 
 
-def _common_nodes(
-    placed: Placed, s: Segments
-) -> list[tuple[tuple[int, int], tuple[float, float], int, int]]:
+def _common_nodes(placed: Placed, s: Segments) -> list[tuple[tuple[int, int], Place, int, int]]:
     """Return pairs of contours that share a vertex, where, and a segment of each."""
     n = len(placed.nodes)
     node = placed.nodes.reshape(-1)
@@ -573,16 +601,16 @@ def _common_nodes(
         i, j = a // 2, b // 2
         x, y = (s.x1[i], s.y1[i]) if a % 2 else (s.x0[i], s.y0[i])
         pair = sorted((int(owner[a]), int(owner[b])))
-        out.append(((pair[0], pair[1]), (float(x) / 1e3, float(y) / 1e3), i, j))
+        out.append(((pair[0], pair[1]), Place.of_um(x, y), i, j))
     return out
 
 
-def _places(hits: crossings.Crossings, group: list[int]) -> tuple[tuple[float, float], ...]:
-    """Return the different places of some hits, mm."""
-    places: list[tuple[float, float]] = []
+def _places(hits: crossings.Crossings, group: list[int]) -> tuple[Place, ...]:
+    """Return the different places of some hits."""
+    places: list[Place] = []
     seen = set()
     for k in group:
-        spot = (float(hits.x[k]) / 1e3, float(hits.y[k]) / 1e3)
+        spot = Place.of_um(hits.x[k], hits.y[k])
         key = (round(spot[0], 4), round(spot[1], 4))
         if key not in seen:
             seen.add(key)

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom import measure
 from wedmcam.geom.pairs import overlapping_parts
 from wedmcam.geom.segments import Floats, distances, points_at
 from wedmcam.ir.contour import Contour
 
 #: A probe this near to the other contour, um, does not say on which side it is.
-NEAR_UM = 0.01
+UNSURE_UM = 0.01
 #: How many points of a contour are asked before any doubt arises.
 PROBES = 3
 #: How many at most after that.
@@ -82,8 +82,8 @@ def nest(contours: Sequence[Contour]) -> Nesting:
         around = outer[k]
         fits = inner != around
         for low in (0, 1):
-            fits &= extents[inner, low] >= extents[around, low] - NEAR_UM
-            fits &= extents[inner, low + 2] <= extents[around, low + 2] + NEAR_UM
+            fits &= extents[inner, low] >= extents[around, low] - UNSURE_UM
+            fits &= extents[inner, low + 2] <= extents[around, low + 2] + UNSURE_UM
         some.append((inner[fits], around[fits]))
     inner, around = (np.concatenate(both) for both in zip(*some, strict=True))
     probes = _probes(contours)
@@ -116,9 +116,17 @@ def too_many(contours: Sequence[Contour]) -> tuple[Diagnostic, ...]:
         ("open", len(contours) - closed, MOST_OPEN),
     ):
         if count > most:
-            text = f"the drawing has {count:,} {kind} contours; no more than {most:,} are compiled"
-            hint = "leave out what is not to be cut: --layer, --ignore-layer"
-            return (error("too-large", text, contours[0].source_of(0), hint=hint, count=count),)
+            return (
+                error(
+                    "too-large",
+                    "the drawing has {count:,} {kind} contours; no more than {most:,} are compiled",
+                    contours[0].source_of(0),
+                    hint="leave out what is not to be cut: --layer, --ignore-layer",
+                    count=count,
+                    kind=kind,
+                    most=most,
+                ),
+            )
     return ()
 
 
@@ -128,10 +136,17 @@ def too_deep(nesting: Nesting) -> tuple[Diagnostic, ...]:
     if depth <= DEEPEST:
         return ()
     inner = nesting.contours[nesting.depths.index(depth)]
-    text = f"{depth:,} contours lie in each other; no more than {DEEPEST} are compiled"
-    hint = "a cut needs its contours once: a hatching or a pattern is to be left out"
-    x, y = float(inner.vertices["x"][0]) / 1000, float(inner.vertices["y"][0]) / 1000
-    return (error("too-large", text, inner.source_of(0), hint=hint, points_mm=((x, y),)),)
+    return (
+        error(
+            "too-large",
+            "{contours:,} contours lie in each other; no more than {most} are compiled",
+            inner.source_of(0),
+            hint="a cut needs its contours once: a hatching or a pattern is to be left out",
+            points_mm=(Place.of_um(inner.vertices["x"][0], inner.vertices["y"][0]),),
+            contours=depth,
+            most=DEEPEST,
+        ),
+    )
 
 
 def _probes(contours: Sequence[Contour]) -> Floats:
@@ -160,6 +175,6 @@ def _inside(contour: Contour, ring: Contour) -> bool:
     for i in range(0, len(x), max(1, len(x) // MOST_PROBES)):
         n = len(other)
         here = float(np.min(distances(other, np.full(n, x[i]), np.full(n, y[i]))))
-        if here > far + NEAR_UM:
+        if here > far + UNSURE_UM:
             best, far = i, here
     return bool(measure.contains(ring.vertices, x[best : best + 1], y[best : best + 1])[0])

@@ -13,12 +13,12 @@ from collections.abc import Sequence, Set
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity, error, warning
+from wedmcam.diag import LISTED, Diagnostic, Place, Severity, error, warning
 from wedmcam.geom import measure, thickness
 from wedmcam.geom.segments import Ints, points_at
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.doubles import NOISE_UM, mm, place, steady
-from wedmcam.transforms.walls import LISTED, TOUCH_UM, WALL_UM
+from wedmcam.transforms.doubles import NOISE_UM, steady
+from wedmcam.transforms.walls import TOUCH_UM, WALL_UM
 
 #: No wire cuts what is smaller than this, um: the finest ones, of 0.02 mm, take it with their gap.
 SPECK_UM = 50.0
@@ -48,24 +48,35 @@ def specks(
     limit = np.maximum(kerf, SPECK_UM)
     small = np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1]) < limit
     small &= np.array([c.closed for c in contours])
-    found = []
+    findings = []
     for k in np.flatnonzero(small).tolist():
         size = _across(contours[k])
         small[k] = size < limit[k] - NOISE_UM
         if not small[k]:
             continue
-        x, y = 0.5 * (box[k, 0] + box[k, 2]), 0.5 * (box[k, 1] + box[k, 3])
-        than = "anything a wire cuts" if size < SPECK_UM else f"its own cut, {mm(limit[k])} mm wide"
-        found.append(
+        centre = Place.of_um(0.5 * (box[k, 0] + box[k, 2]), 0.5 * (box[k, 1] + box[k, 3]))
+        findings.append(
             warning(
                 "speck",
-                f"the contour at {place(x, y)} mm is {_thick(size)} large, smaller than {than}",
+                "the contour at {place} is {size_mm:.4g} mm ({size_um:.4g} um) large, smaller than "
+                "anything a wire cuts"
+                if size < SPECK_UM
+                else "the contour at {place} is {size_mm:.4g} mm ({size_um:.4g} um) large, smaller "
+                "than its own cut, {cut_mm:.3f} mm wide",
                 contours[k].source_of(0),
                 hint="delete it, if it is not meant",
-                points_mm=((x / 1e3, y / 1e3),),
+                points_mm=(centre,),
+                place=centre,
+                size_mm=size / 1000,
+                size_um=size,
+                cut_mm=float(limit[k]) / 1000,
             )
         )
-    return _listed(found, "speck", "contours as small as these"), small.tolist()
+    if len(findings) > LISTED:
+        more = len(findings) - LISTED
+        summary = warning("speck", "{count} further contours as small as these", count=more)
+        findings = [*findings[:LISTED], summary]
+    return findings, small.tolist()
 
 
 def _across(contour: Contour) -> float:
@@ -83,20 +94,20 @@ def thin_walls(
     part: bool,
     below_um: float,
     numbers: Sequence[int],
-    said: Set[tuple[int, int]],
+    close_pairs: Set[tuple[int, int]],
     taken: Sequence[float] = (),
 ) -> list[Diagnostic]:
     """Return a warning for each wall, fin or neck of kept material below a thickness.
 
     Tips are none, however acute, sharp or cut off by a chamfer or a fillet: two stretches that meet
-    at a corner, or would. A wall of which a clearance leaves less than `WALL_UM` is an error.
+    at a corner, or would. A wall is an error where a clearance leaves less than `WALL_UM` of it.
 
     Args:
         contours: closed ones of one part.
         part: what an odd number of them encloses is kept; False: the rest is.
         below_um: no wall is thinner on purpose; 0 for no warnings.
-        numbers: of the contours, for ``said``.
-        said: pairs of numbers, the lower first, of which it was said already.
+        numbers: of the contours, for ``close_pairs``.
+        close_pairs: pairs of numbers, the lower first, that have a finding already.
         taken: for each contour, how far behind it the kept material begins; empty for nowhere.
     """
     behind = np.array(taken) if any(taken) else np.zeros(len(contours))
@@ -110,9 +121,9 @@ def thin_walls(
     lost = behind[owner[w.i]] + behind[owner[w.j]]
     none = (lost > 0) & (size - lost < WALL_UM)
     keep = (size > TOUCH_UM) & ((size - lost < below_um - NOISE_UM) | none)
-    if said and keep.any():
+    if close_pairs and keep.any():
         pair = np.sort(np.array(numbers)[np.stack([owner[w.i], owner[w.j]])], axis=0)
-        keep &= np.array([p not in said for p in zip(*pair.tolist(), strict=True)], np.bool_)
+        keep &= np.array([p not in close_pairs for p in zip(*pair.tolist(), strict=True)], np.bool_)
     rows = np.flatnonzero(keep)
     if not len(rows):
         return []
@@ -121,31 +132,45 @@ def thin_walls(
     step = max(1, POINT_SEGMENTS // len(s))
     chunks = [rows[k : k + step] for k in range(0, len(rows), step)]
     inside = np.concatenate([within(w.x[k], w.y[k]) for k in chunks])
-    found = []
+    findings = []
     for k in rows[inside == part].tolist():
         a, b = (int(n) for n in (w.i[k], w.j[k]))
         ca, cb = contours[owner[a]], contours[owner[b]]
         spans = ca.source_of(a - int(first[owner[a]])), cb.source_of(b - int(first[owner[b]]))
         spans = tuple(sorted(spans, key=str))
-        x, y = float(w.x[k]), float(w.y[k])
-        between = "two contours" if ca is not cb else "two stretches of one contour"
-        left = f", of which the clearance takes {mm(lost[k])} mm" if lost[k] else ""
-        hint = f"below --thin-wall ({mm(below_um)} mm) a wall seldom stands: draw it thicker"
-        if none[k]:
-            hint = f"nothing that can be proven (below {mm(WALL_UM)} mm) is left of it"
-        say = error if none[k] else warning
-        found.append(
-            say(
-                "thin-wall",
-                f"the wall between {between} is {_thick(float(w.size[k]))} thick at "
-                f"{place(x, y)} mm{left}",
-                spans[0],
-                notes=(("its other side", spans[1]),),
-                hint=hint,
-                points_mm=((x / 1e3, y / 1e3),),
-            )
+        middle = Place.of_um(w.x[k], w.y[k])
+        make = error if none[k] else warning
+        wall = make(
+            "thin-wall",
+            "the wall between two contours is {size_mm:.4g} mm ({size_um:.4g} um) thick at {place}"
+            if ca is not cb
+            else "the wall between two stretches of one contour is {size_mm:.4g} mm "
+            "({size_um:.4g} um) thick at {place}",
+            spans[0],
+            notes=(("its other side", spans[1]),),
+            hint="nothing that can be proven (below {least_mm:.3f} mm) is left of it"
+            if none[k]
+            else "below --thin-wall ({least_mm:.3f} mm) a wall seldom stands: draw it thicker",
+            points_mm=(middle,),
+            place=middle,
+            size_mm=float(w.size[k]) / 1000,
+            size_um=float(w.size[k]),
+            least_mm=(WALL_UM if none[k] else below_um) / 1000,
         )
-    return _listed(found, "thin-wall", "walls as thin as these")
+        if lost[k]:
+            wall = wall.extended(
+                "; the clearance takes {clearance_mm:.3f} mm of it",
+                clearance_mm=float(lost[k]) / 1000,
+            )
+        findings.append(wall)
+    if len(findings) <= LISTED:
+        return findings
+    make = error if any(d.severity is Severity.ERROR for d in findings[LISTED:]) else warning
+    more = len(findings) - LISTED
+    return [
+        *findings[:LISTED],
+        make("thin-wall", "{count} further walls as thin as these", count=more),
+    ]
 
 
 def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints, near_um: float) -> Ints:
@@ -188,16 +213,3 @@ def _one_each(w: thickness.Walls, rows: Ints, first: Ints, owner: Ints, near_um:
         far[k] = np.hypot(w.x[of] - w.x[best[k]], w.y[of] - w.y[best[k]]).min() > near_um
     best = best[far]
     return best[np.lexsort((steady(w.x[best]), steady(w.y[best])))]
-
-
-def _thick(um: float) -> str:
-    return f"{um / 1000:.4g} mm ({um:.4g} um)"
-
-
-def _listed(found: list[Diagnostic], code: str, what: str) -> list[Diagnostic]:
-    """Return the first findings, and one for the rest."""
-    if len(found) <= LISTED:
-        return found
-    more = len(found) - LISTED
-    say = error if any(d.severity is Severity.ERROR for d in found[LISTED:]) else warning
-    return [*found[:LISTED], say(code, f"{more} further {what}", count=more)]

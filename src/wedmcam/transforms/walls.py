@@ -12,16 +12,17 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Severity, error, warning
+from wedmcam.diag import LISTED, Diagnostic, Place, Severity, error, warning
 from wedmcam.geom import measure, pairs
 from wedmcam.geom.gaps import Gaps, beside, gaps
 from wedmcam.geom.segments import Floats, Ints, Segments, boxes
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.doubles import mm, place, steady
+from wedmcam.transforms.doubles import steady
 
 #: Kept material thinner than this is no wall, um: the path is proven within 2 um on either side.
 WALL_UM = 4.0
-#: Up to this, um, contours touch: that is found where contours are made (`meetings`).
+#: Up to this, um, contours touch, and up to this depth one does not cross the other: that is found
+#: where contours are made (`meetings`).
 TOUCH_UM = 0.01
 #: Nearer than this contours do touch, um: the noise of float64.
 EXACT_UM = 1e-6
@@ -30,8 +31,6 @@ EXACT_UM = 1e-6
 MOST = 0.5
 #: What was traced or exported twice is seldom farther apart, um (ours: no source has it).
 TWICE_UM = 20.0
-#: Of findings of one kind this many are listed; a summary stands for the rest.
-LISTED = 20
 
 
 def thin(
@@ -59,23 +58,23 @@ def thin(
         return [], set()
     s, first = measure.segments_of_all([(c.vertices, c.closed) for c in contours])
     owner = np.repeat(np.arange(len(contours)), np.diff(first, append=len(s)))
-    found: list[tuple[float, float, Diagnostic]] = []
-    said: set[tuple[int, int]] = set()
+    findings: list[tuple[float, float, Diagnostic]] = []
+    close_pairs: set[tuple[int, int]] = set()
     for (a, b), i, j in _pairs(s, owner, first):
         g = gaps(s.take(i), s.take(j))
         near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
         one = parts is None or parts[a] == parts[b]
         least = int(np.argmin(g.size))
         if one and EXACT_UM < g.size[least] <= TOUCH_UM:
-            found.append(_touching(contours[a], contours[b], g, least))
+            findings.append(_touching(contours[a], contours[b], g, least))
         if not len(near):
             # Equal, or not near at all; or a polygon whose corners lie on the other outline.
             share, far = beside(s.take(owner == a), s.take(owner == b), TWICE_UM)
             if share >= MOST and far > TOUCH_UM:
-                said.add((a, b))
+                close_pairs.add((a, b))
                 wall = one and keeps[a] is not None and keeps[b] is not None
                 at = float(g.x[least]), float(g.y[least])
-                found.append(
+                findings.append(
                     (at[1], at[0], _finding(contours[a], contours[b], wall, share, far, at))
                 )
             continue
@@ -86,15 +85,15 @@ def thin(
         within = WALL_UM if wall and not touch else TWICE_UM
         share = beside(s.take(owner == a), s.take(owner == b), within)[0]
         if share >= MOST or (wall and not touch):
-            said.add((a, b))
-            found.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
-    found.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
-    listed = [f[2] for f in found[:LISTED]]
-    if len(found) > LISTED:
-        more = len(found) - LISTED
-        say = error if any(f[2].severity is Severity.ERROR for f in found[LISTED:]) else warning
-        listed.append(say("thin-wall", f"{more} further pairs of contours like these", count=more))
-    return listed, said
+            close_pairs.add((a, b))
+            findings.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
+    findings.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
+    listed = [f[2] for f in findings[:LISTED]]
+    if len(findings) > LISTED:
+        more = len(findings) - LISTED
+        make = error if any(f[2].severity is Severity.ERROR for f in findings[LISTED:]) else warning
+        listed.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
+    return listed, close_pairs
 
 
 def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:
@@ -109,10 +108,10 @@ def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, i
     done = set()
     for a, b in _alike(extents):
         one, two = np.arange(first[a], last[a]), np.arange(first[b], last[b])
-        i, j = pairs.overlapping(pairs.grown(boxes(s.take(one)), TWICE_UM), boxes(s.take(two)))
+        i, j = pairs.overlapping(pairs.grow(boxes(s.take(one)), TWICE_UM), boxes(s.take(two)))
         done.add((a, b))
         yield (a, b), one[i], two[j]
-    i, j = pairs.self_overlapping(pairs.grown(around, 0.5 * WALL_UM))
+    i, j = pairs.self_overlapping(pairs.grow(around, 0.5 * WALL_UM))
     other = owner[i] != owner[j]
     i, j = i[other], j[other]
     low, high = np.minimum(owner[i], owner[j]), np.maximum(owner[i], owner[j])
@@ -138,41 +137,50 @@ def _alike(extents: Sequence[Floats]) -> list[tuple[int, int]]:
 def _finding(
     a: Contour, b: Contour, wall: bool, share: float, size: float, at: tuple[float, float]
 ) -> Diagnostic:
-    """Return what is to be said of two contours with a gap of ``size`` um at a place, um."""
-    x, y = at
+    """Return the finding about two contours with a gap of ``size`` um at a place, um."""
+    place = Place.of_um(*at)
     spans = sorted((a.source_of(0), b.source_of(0)), key=str)
-    what = f"the contours with low corners at {_corner(a)} and {_corner(b)} mm"
-    thick = f"{size / 1000:.4f} mm ({size:.1f} um)"
-    code, text, hint = (
-        (
-            "drawn-twice",
-            f"{what} run {thick} apart, nearest at {place(x, y)} mm: the outline seems drawn twice"
-            + (f" (a wall below {mm(WALL_UM)} mm cannot be proven)" if wall else ""),
-            "remove one of the two",
-        )
-        if share >= MOST
-        else (
-            "thin-wall",
-            f"the wall between {what} is {thick} thick at {place(x, y)} mm",
-            f"below {mm(WALL_UM)} mm it cannot be proven that a wall is left: draw it thicker",
-        )
+    twice = share >= MOST
+    make = error if wall else warning
+    finding = make(
+        "drawn-twice" if twice else "thin-wall",
+        "the contours with low corners at {one:xy} and {other} run {size_mm:.4f} mm "
+        "({size_um:.1f} um) apart, nearest at {place}: the outline seems drawn twice"
+        if twice
+        else "the wall between the contours with low corners at {one:xy} and {other} is "
+        "{size_mm:.4f} mm ({size_um:.1f} um) thick at {place}",
+        spans[0],
+        notes=(("the other one", spans[1]),),
+        hint="remove one of the two"
+        if twice
+        else "below {least_mm:.3f} mm it cannot be proven that a wall is left: draw it thicker",
+        points_mm=(place,),
+        one=_corner(a),
+        other=_corner(b),
+        size_mm=size / 1000,
+        size_um=size,
+        place=place,
+        least_mm=WALL_UM / 1000,
     )
-    say = error if wall else warning
-    notes = (("the other one", spans[1]),)
-    return say(code, text, spans[0], notes=notes, hint=hint, points_mm=((x / 1e3, y / 1e3),))
+    if twice and wall:
+        finding = finding.extended(" (a wall below {least_mm:.3f} mm cannot be proven)")
+    return finding
 
 
 def _touching(a: Contour, b: Contour, g: Gaps, k: int) -> tuple[float, float, Diagnostic]:
     """Return (y, x, warning) for contours that come as near as rounding makes those that touch."""
     x, y = float(g.x[k]), float(g.y[k])
+    place = Place.of_um(x, y)
     spans = sorted((a.source_of(0), b.source_of(0)), key=str)
     finding = warning(
         "contours-touch",
-        f"two contours touch at {place(x, y)} mm but for {float(g.size[k]):.2g} um; nothing is "
-        "left of the material there",
+        "two contours touch at {place} but for {apart_um:.2g} um; nothing is left of the material "
+        "there",
         spans[0],
         notes=(("it touches this", spans[1]),),
-        points_mm=((x / 1e3, y / 1e3),),
+        points_mm=(place,),
+        place=place,
+        apart_um=float(g.size[k]),
     )
     return y, x, finding
 
@@ -184,6 +192,6 @@ def _keeps(contour: Contour, inside: bool | None, x: float, y: float) -> bool:
     return bool(measure.contains(contour.vertices, np.array([x]), np.array([y]))[0]) == inside
 
 
-def _corner(contour: Contour) -> str:
+def _corner(contour: Contour) -> Place:
     """Return the low corner of a contour, which names it in a message before cuts have numbers."""
-    return place(*measure.extents(contour.vertices, contour.closed)[:2])
+    return Place.of_um(*measure.extents(contour.vertices, contour.closed)[:2])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wedmcam.frontends.dxf.turns import Turn, turn_of
 from wedmcam.geom.circles import EXACT_UM, MEET_UM, Rounds, circle, rounds, sweep_about
 from wedmcam.geom.curves import STRAIGHT_UM, Beziers, Ellipse, Ellipses, bezier_pieces
-from wedmcam.geom.departure import certified
+from wedmcam.geom.departure import certify
 from wedmcam.ir.sketch import SEGMENT
 
 Floats = NDArray[np.float64]
@@ -423,7 +423,7 @@ def _of_splines(
     out: Fitted,
 ) -> Rows:
     """Return the segments of the splines of one degree that are not ``done``."""
-    arcs, off = certified(made, tolerance[which[made.curve[made.first]]])
+    arcs, off = certify(made, tolerance[which[made.curve[made.first]]])
     owner = made.curve[made.first[arcs.of]]
     worst = np.zeros(len(which))
     np.maximum.at(worst, owner, off)
@@ -526,7 +526,7 @@ def _of_ellipses(curves: Sequence[Curve], tolerance: Floats, out: Fitted) -> Row
             chosen.append((x, y, replace(e, cx=e.cx - x, cy=e.cy - y)))
     made = Ellipses([e for _, _, e in chosen])
     names = np.array(which, np.int64)
-    arcs, off = certified(made, tolerance[names[made.curve]])
+    arcs, off = certify(made, tolerance[names[made.curve]])
     owner = made.curve[arcs.section]
     np.maximum.at(out.error, names[made.curve[arcs.of]], off)
     rows = np.zeros(len(arcs.x0), SEGMENT)

@@ -2,8 +2,8 @@
 
 None of them is cut. But an outer contour may be held by one alone, and then its holes would be cut
 as loose discs. So what bounds them is put where it is drawn, by the same lines, arcs and curves and
-the same placing of blocks as everything else, and `transforms.held` asks whether something that is
-read draws it, too.
+the same placing of blocks as everything else, and `transforms.unread` asks whether something that
+is read draws it, too.
 """
 
 from __future__ import annotations

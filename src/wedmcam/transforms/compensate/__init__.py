@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
-from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.diag import Diagnostic, Place, Span, error
 from wedmcam.geom.segments import Ints
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.compensate.coordinates import node_points, rounded
@@ -29,7 +29,7 @@ from wedmcam.transforms.compensate.interference import (
 from wedmcam.transforms.compensate.raw import SPECK_UM, Raw, Source, gather, raw_offset
 from wedmcam.transforms.compensate.regular import regular_paths
 from wedmcam.transforms.compensate.resolve import Limits, Loops, resolve
-from wedmcam.transforms.compensate.untangle import untangled
+from wedmcam.transforms.compensate.untangle import untangle
 
 __all__ = ["Compensated", "Interference", "WirePath", "compensate"]
 
@@ -96,7 +96,7 @@ class Compensated:
         inner_corners: how many sharp inner corners keep the radius of the wire.
         pockets: closed paths that run against their outline: beside the outside of a punch, a
             pocket behind a mouth too narrow for the wire. What they enclose is scrap that leaves
-            with the scrap around, and no wire gets there from outside; so nobody cuts them, and
+            with the scrap around, and no wire gets there from outside; so they are not cut, and
             the segments that only they reach count as left out.
     """
 
@@ -147,7 +147,7 @@ def compensate(
         nudged = [s + float(np.sign(s)) * attempt.nudge_um for s in shifts]
         source = gather(outlines, nudged, attempt.speck_um)
         if attempt.untangle:
-            source = untangled(source) or source
+            source = untangle(source) or source
         raw = raw_offset(source, sharp)
         if raw.tangled and not attempt.untangle:
             continue
@@ -213,29 +213,30 @@ def _without_conflicts(
 
 
 def _crossing(outlines: Sequence[Contour]) -> Diagnostic:
-    x, y = (float(outlines[0].vertices[name][0]) / 1000 for name in ("x", "y"))
+    first = Place.of_um(*(outlines[0].vertices[name][0] for name in ("x", "y")))
     return error(
         "offset-unresolved",
-        f"the offsets of {len(outlines)} contours, the first at ({x:.3f}, {y:.3f}) mm, could not "
-        f"be resolved together",
+        "the offsets of {contours} contours, the first at {first}, could not be resolved together",
         outlines[0].source_of(0),
-        points_mm=((x, y),),
+        points_mm=(first,),
         hint="do these contours cross each other?",
+        contours=len(outlines),
+        first=first,
     )
 
 
 def _unresolved(outlines: Sequence[Contour], source: Source, raw: Raw, found: Loops) -> Diagnostic:
     at = found.lost_at + np.array(source.origin)
-    where = tuple((float(x) / 1000, float(y) / 1000) for x, y in at[:3])
+    where = tuple(Place.of_um(x, y) for x, y in at[:3])
     element = int(found.element[found.lost[0]])
     return error(
         "offset-unresolved",
-        f"the offset of this contour could not be resolved near "
-        f"({where[0][0]:.3f}, {where[0][1]:.3f}) mm",
+        "the offset of this contour could not be resolved near {place}",
         outlines[int(raw.contour[element])].source_of(int(source.row[raw.source[element]])),
         points_mm=where,
         hint="this is a weakness of the compiler: please report the drawing; another "
         "offset or a cleaner drawing may help meanwhile",
+        place=where[0],
     )
 
 

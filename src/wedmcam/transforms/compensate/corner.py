@@ -1,6 +1,6 @@
 """What of an outline that the wire passes over is one inner corner, and what is too narrow for it.
 
-A sharp inner corner keeps the radius of the wire, and that is a note: nobody can cut it otherwise.
+A sharp inner corner keeps the radius of the wire, and that is a note: it cannot be cut otherwise.
 The same corner with its tip cut off by a chamfer keeps less than that: the chamfer lies between the
 corner and the wire, so what stays in front of it is within what the sharp corner of the same angle
 would leave. It is judged as that corner. What else the wire leaves out is interference.
@@ -18,11 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from wedmcam.geom.segments import Ints, end_tangents, start_tangents
+from wedmcam.geom.segments import TANGENT, Ints, end_tangents, start_tangents
 from wedmcam.transforms.compensate.raw import Source
 
-#: A turn of less than this is a tangent joint (radians): 1 um over 1 mm.
-TANGENT = 1e-3
 #: Facets of a corner turn by this at least (radians, 10 degrees); less approximates a curve: four
 #: lines in a quarter circle turn by 11 degrees where they meet the walls.
 FACET = np.radians(10.0)

@@ -131,7 +131,7 @@ def _met(cx: Floats, cy: Floats, x: Floats, y: Floats) -> Bools:
     never came there: an arc of more than half a turn lies behind a mouth narrower than the wire.
     """
     met = np.zeros(len(cx), bool)
-    near = pairs.grown((x, y, x, y), NEGLIGIBLE_UM)
+    near = pairs.grow((x, y, x, y), NEGLIGIBLE_UM)
     i, j = pairs.overlapping((cx, cy, cx, cy), near)
     met[i[np.hypot(cx[i] - x[j], cy[i] - y[j]) <= NEGLIGIBLE_UM]] = True
     return met
@@ -149,7 +149,7 @@ def _beside(source: Source, raw: Raw, found: Loops, pieces: Ints, rows: Ints) ->
     path = raw.elements.take(found.element[pieces])
     at0, at1 = found.at0[pieces], found.at1[pieces]
     i, j = pairs.overlapping(
-        (x - wanted, y - wanted, x + wanted, y + wanted), pairs.grown(seg.boxes(path), 0.0)
+        (x - wanted, y - wanted, x + wanted, y + wanted), pairs.grow(seg.boxes(path), 0.0)
     )
     e = path.take(j)
     px, py = seg.points_at(e, np.clip(seg.position_of(e, x[i], y[i]), at0[j], at1[j]))

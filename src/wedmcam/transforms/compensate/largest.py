@@ -65,7 +65,7 @@ def largest_offset(
     to there.
 
     Args:
-        outlines: contours of one part, um, none of which crosses itself or another one.
+        outlines: contours of one part, um, that cross neither themselves nor another one.
         signs: +1 where the wire runs to the left of the outline, -1 to the right.
         limit_um: where to stop looking.
     """
@@ -126,7 +126,7 @@ def _least_inside_radius(
 
 
 def _half_least_size(outlines: Sequence[Contour], signs: Sequence[float]) -> float:
-    """Return half of the smaller side of the smallest contour inside of which the wire runs, um."""
+    """Return half of the smaller side of the smallest contour that the wire runs inside of, um."""
     best = np.inf
     for contour, sign in zip(outlines, signs, strict=True):
         if contour.closed and (measure.area(contour.vertices) > 0) == (sign > 0):

@@ -57,7 +57,7 @@ def left_over(source: Source, raw: Raw, certain_um: float) -> tuple[Floats, Floa
 
 
 def boxes(e: Segments, low: Floats, high: Floats) -> tuple[Ints, pairs.Boxes]:
-    """Return the elements of which something is left, and boxes of that."""
+    """Return the elements that are left, whole or in part, and boxes of that."""
     whole = seg.boxes(e)
     k = np.flatnonzero((low > 0) | (high < e.length))
     if not len(k):

@@ -8,7 +8,7 @@ neighbours no longer meet, one of four things is true of the joint between them:
 - transition: the wire goes round the corner on an arc about it, an *element* of its own.
 - mitre: the shifted lines are prolonged to their crossing (``--convex sharp``).
 - free: they overlap (inner corner), or an arc between them vanished; a crossing found later joins
-  them, or somebody else.
+  them, or other elements.
 
 An *element* is a shifted segment or a transition arc. Elements of all contours stand in one array,
 in the order of travel.
@@ -30,9 +30,9 @@ from wedmcam.ir.contour import Contour
 #: Segments shorter than this are noise of the drawing, not geometry; um.
 SPECK_UM = 5e-3
 #: Ends this near meet without further question; um.
-SAME_UM = 2e-3
-#: An arc with less radius than this is a point; um. Its ends are at most SAME_UM apart.
-POINT_UM = 1e-3
+SAME_END_UM = 2e-3
+#: An arc with less radius than this is a point; um. Its ends are at most SAME_END_UM apart.
+LEAST_RADIUS_UM = 1e-3
 #: Ends nearer than this may meet in the middle, if that moves the path sideways by less than
 #: SIDEWAYS_UM: half a step of the machine; um.
 SNAP_UM = 0.5
@@ -159,7 +159,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     s, shift = source.segments, source.shift
     arc = s.turn != 0
     radius = np.where(arc, s.radius - shift * s.turn, 0.0)
-    vanished = arc & (radius <= POINT_UM)
+    vanished = arc & (radius <= LEAST_RADIUS_UM)
     t0x, t0y = seg.start_tangents(s)
     t1x, t1y = seg.end_tangents(s)
     x0, y0 = s.x0 - shift * t0y, s.y0 + shift * t0x
@@ -174,7 +174,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     turning = np.abs(turn)
     gx, gy = x0[k] - x1, y0[k] - y1
     gap = np.hypot(gx, gy)
-    bow = np.where(arc, 0.125 / np.maximum(radius, POINT_UM), 0.0)
+    bow = np.where(arc, 0.125 / np.maximum(radius, LEAST_RADIUS_UM), 0.0)
     sideways = np.maximum(
         0.5 * np.abs(gx * t1y - gy * t1x) + gap * gap * bow,
         0.5 * np.abs(gx * t0y[k] - gy * t0x[k]) + gap * gap * bow[k],
@@ -185,7 +185,7 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     short = np.minimum(shifted_length, shifted_length[k])
     meets = has & ~vanished & ~vanished[k] & _snaps(gap, sideways, turning, short)
     # Without a gap there is nothing to go round (next to an arc that vanishes).
-    corner = outer & ~meets & (shift != 0) & (gap > 0.05 * SAME_UM)
+    corner = outer & ~meets & (shift != 0) & (gap > 0.05 * SAME_END_UM)
 
     prolonged = np.zeros(len(s), bool)
     if sharp and corner.any():
@@ -276,7 +276,7 @@ def _snaps(gap: Floats, sideways: Floats, turning: Floats, short: Floats) -> NDA
 
     An element shorter than four gaps is not moved: it could turn round. Nor is a turn back.
     """
-    near = (gap < SAME_UM) | ((gap < SNAP_UM) & (sideways < SIDEWAYS_UM) & (turning < 1.5))
+    near = (gap < SAME_END_UM) | ((gap < SNAP_UM) & (sideways < SIDEWAYS_UM) & (turning < 1.5))
     result: NDArray[np.bool_] = near & (gap <= 0.25 * short)
     return result
 
@@ -303,7 +303,7 @@ def _joints(
     t0x, t0y = seg.start_tangents(e.take(f))
     turning = np.abs(np.arctan2(t1x * t0y - t1y * t0x, t1x * t0x + t1y * t0y))
     gap = np.hypot(gx, gy)
-    bow = np.where(e.turn != 0, 0.125 / np.maximum(e.radius, POINT_UM), 0.0)
+    bow = np.where(e.turn != 0, 0.125 / np.maximum(e.radius, LEAST_RADIUS_UM), 0.0)
     sideways = np.maximum(
         0.5 * np.abs(gx * t1y - gy * t1x) + gap * gap * bow[loose],
         0.5 * np.abs(gx * t0y - gy * t0x) + gap * gap * bow[f],

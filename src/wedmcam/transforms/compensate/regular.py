@@ -20,7 +20,7 @@ from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints
 from wedmcam.ir.contour import VERTEX, Contour
 from wedmcam.transforms.compensate.coordinates import joints, rounded
-from wedmcam.transforms.compensate.raw import SAME_UM, SPECK_UM
+from wedmcam.transforms.compensate.raw import SAME_END_UM, SPECK_UM
 from wedmcam.transforms.compensate.resolve import SLIVER_UM
 
 Column = TypeVar("Column", Floats, Ints)
@@ -67,7 +67,7 @@ def regular_paths(
     sx, sy, ex, ey = x0 - cx, y0 - cy, x1 - cx, y1 - cy
     radius = np.hypot(sx, sy)
     ends = np.hypot(ex, ey)
-    if np.abs((ends - radius)[is_arc]).max(initial=0.0) > 0.5 * SAME_UM:
+    if np.abs((ends - radius)[is_arc]).max(initial=0.0) > 0.5 * SAME_END_UM:
         return None
     moved = radius - shift * turn
     if moved[is_arc].min(initial=np.inf) < RADIUS_UM:
@@ -78,7 +78,7 @@ def regular_paths(
     bx = x1 + by * np.where(is_arc, ex, -dy)
     by_ = y1 + by * np.where(is_arc, ey, dx)
     gx, gy = _next(ax, first, last) - bx, _next(ay, first, last) - by_
-    if max(np.abs(gx).max(), np.abs(gy).max()) > 0.7 * SAME_UM:
+    if max(np.abs(gx).max(), np.abs(gy).max()) > 0.7 * SAME_END_UM:
         return None
     # The vertices lie in the middle of what gap there is.
     ax -= 0.5 * _before(gx, first, last)
@@ -188,6 +188,6 @@ def _clear(px: Floats, py: Floats, offset: Floats, drawn: tuple[Floats, ...]) ->
     x0, y0, x1, y1, cx, cy, turn = drawn
     s = seg.make(x0, y0, x1, y1, cx, cy, turn.astype(np.int8))
     reach = float(offset.max())
-    i, j = pairs.overlapping((px, py, px, py), pairs.grown(seg.boxes(s), reach))
+    i, j = pairs.overlapping((px, py, px, py), pairs.grow(seg.boxes(s), reach))
     d = seg.distances(s.take(j), px[i], py[i])
-    return bool((pairs.least(d, i, len(px)) >= offset - SAME_UM).all())
+    return bool((pairs.least(d, i, len(px)) >= offset - SAME_END_UM).all())

@@ -27,11 +27,11 @@ NODE_UM = 2e-3
 SLIVER_UM = 0.01
 #: A loop that is nowhere wider than this is no cut: on the grid of the machine little more than
 #: one place would be left of it; um.
-STEP_UM = 1.5
+NO_CUT_UM = 1.5
 #: Longer loops are wider; um.
-SHORT_UM = 8.0 * STEP_UM
+SHORT_UM = 8.0 * NO_CUT_UM
 #: Pieces of opposite direction this near to each other are the two walls of one slot; um.
-BESIDE_UM = 0.02
+SLOT_WALLS_UM = 0.02
 #: Crossings this near to the point at which two neighbours are joined anyway are that point; um.
 JOINT_UM = 1.0
 #: A piece that is clear of everything and longer than this must not get lost; um.
@@ -295,7 +295,7 @@ def _crossings(raw: Raw, low: Floats, high: Floats) -> crossings.Crossings:
     """
     e = raw.elements
     kept, boxes = overrun.boxes(e, low, high)
-    i, j = (kept[k] for k in pairs.self_overlapping(pairs.grown(boxes, crossings.REACH)))
+    i, j = (kept[k] for k in pairs.self_overlapping(pairs.grow(boxes, crossings.REACH)))
     after = raw.joined[i] & (raw.following[i] == j)
     before = raw.joined[j] & (raw.following[j] == i)
     neighbours = after | before
@@ -325,7 +325,7 @@ def _touches(
     n = len(ends)
     loose = np.concatenate([ends[~raw.joined], starts[starts >= n]])
     px, py = x[loose], y[loose]
-    boxes = pairs.grown(seg.boxes(raw.elements), touch)
+    boxes = pairs.grow(seg.boxes(raw.elements), touch)
     i, j = pairs.overlapping((px, py, px, py), boxes)
     e = raw.elements.take(j)
     at = seg.position_of(e, px[i], py[i])
@@ -339,7 +339,7 @@ def _merged(x: Floats, y: Floats, used: NDArray[np.bool_]) -> Ints:
     rows = np.flatnonzero(used)
     rows = _one_a_cell(rows, x, y, label)
     px, py = x[rows], y[rows]
-    i, j = pairs.self_overlapping(pairs.grown((px, py, px, py), 0.5 * NODE_UM))
+    i, j = pairs.self_overlapping(pairs.grow((px, py, px, py), 0.5 * NODE_UM))
     near = np.hypot(px[i] - px[j], py[i] - py[j]) <= NODE_UM
     i, j = rows[i[near]], rows[j[near]]
     while True:  # labels flow to the smallest; clusters are tiny, so this takes a pass or two
@@ -375,7 +375,7 @@ def _clearance(source: Source, raw: Raw, element: Ints, at: Floats) -> Floats:
     x, y = seg.points_at(raw.elements.take(element), at)
     offset = np.abs(source.shift[raw.source[element]])
     reach = float(offset.max()) if len(offset) else 0.0
-    drawn = pairs.grown(seg.boxes(source.segments), reach)
+    drawn = pairs.grow(seg.boxes(source.segments), reach)
     result = np.full(len(x), np.inf)
     # So many points at once that the pairs fit the memory: about POINT_PAIRS of them, by the last.
     step = 50_000
@@ -415,7 +415,7 @@ def _without_doubles(raw: Raw, p: _Pieces) -> tuple[_Pieces, Ints]:
             for b in members[m + 1 :]:
                 if not (alive[a] and alive[b]):
                     continue
-                if np.hypot(mx[a] - mx[b], my[a] - my[b]) > BESIDE_UM:
+                if np.hypot(mx[a] - mx[b], my[a] - my[b]) > SLOT_WALLS_UM:
                     continue
                 alive[b] = False
                 if p.node0[a] != p.node0[b]:
@@ -557,7 +557,7 @@ def _too_small(raw: Raw, found: Loops, which: list[int]) -> set[int]:
         places = [seg.points_at(e, at0 + share * (at1 - at0)) for share in (0.0, 0.25, 0.5, 0.75)]
         if (
             max(float(np.ptp(each)) for each in map(np.concatenate, zip(*places, strict=True)))
-            < STEP_UM
+            < NO_CUT_UM
         ):
             small.add(number)
     return small

@@ -26,10 +26,10 @@ THIN_LENGTH_UM = 500.0
 #: Segments looked at after each.
 AHEAD = 6
 #: Nearer to their common vertex than this, neighbours do not cross, they meet; um.
-VERTEX_UM = 1e-6
+SHARED_VERTEX_UM = 1e-6
 
 
-def untangled(source: Source) -> Source | None:
+def untangle(source: Source) -> Source | None:
     """Return the source without loops of less than LOOP_UM; None if there are none."""
     s = source.segments
     pairs = _near_pairs(source)
@@ -45,7 +45,7 @@ def untangled(source: Source) -> Source | None:
         i, j = int(c.i[k]), int(c.j[k])
         tail, head = float(s.length[i] - c.at_i[k]), float(c.at_j[k])
         loop = tail + head + float(between[i, j])
-        if max(tail, head) < VERTEX_UM:
+        if max(tail, head) < SHARED_VERTEX_UM:
             continue
         if source.following[i] == j:
             # Neighbours that cross again share a chord from their vertex to there, and bend to it
@@ -114,14 +114,14 @@ def _rebuilt(source: Source, rows: list[_Row], ends: tuple[Floats, ...], stay: I
     a0, a1 = np.arctan2(y0 - s.cy[of], x0 - s.cx[of]), np.arctan2(y1 - s.cy[of], x1 - s.cx[of])
     cut = np.mod((a1 - a0) * turn, seg.TAU)
     near = np.where(near > 0, near, np.where(cut > s.sweep[of] + 1e-3, 0.0, cut))
-    made = seg.make(x0, y0, x1, y1, s.cx[of], s.cy[of], turn, s.radius[of], near)
+    segments = seg.make(x0, y0, x1, y1, s.cx[of], s.cy[of], turn, s.radius[of], near)
     contour = source.contour[of]
     following = np.arange(1, len(of) + 1)
     last = np.flatnonzero(np.append(contour[1:] != contour[:-1], True))
     first = np.append(0, last[:-1] + 1)
     is_open = np.unique(source.contour[source.following < 0])
     following[last] = np.where(np.isin(contour[last], is_open), -1, first)
-    return Source(made, contour, source.row[of], following, source.shift[of], source.origin)
+    return Source(segments, contour, source.row[of], following, source.shift[of], source.origin)
 
 
 def _near_pairs(source: Source) -> tuple[Ints, Ints, Floats]:

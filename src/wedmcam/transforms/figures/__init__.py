@@ -29,8 +29,8 @@ from wedmcam.ir.figure import (
     With,
 )
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.transforms.doubles import SAME_UM
-from wedmcam.transforms.figures.join import join_chains, without_repeats
+from wedmcam.transforms.doubles import COPY_UM
+from wedmcam.transforms.figures.join import drop_repeats, join_chains
 from wedmcam.transforms.figures.motion import (
     MIRROR_45,
     MIRROR_135,
@@ -69,17 +69,17 @@ def transformed(
         Closed contours keep their sense but for reflection, which turns it over.
     """
     figure, points = tuple(contours), tuple(threads)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if isinstance(transform, Sequence):
         for part in transform.transforms:
             made, more = transformed(figure, part, ar, points)
-            found += more
+            findings += more
             if made is None:
-                return None, found
+                return None, findings
             figure, points = made
-        return (figure, points), found
+        return (figure, points), findings
     if isinstance(transform, Reverse):
-        return (tuple(c.reversed() for c in reversed(figure)), points), found
+        return (tuple(c.reversed() for c in reversed(figure)), points), findings
     if isinstance(transform, With):
         return _with(figure, points, transform, ar)
     if isinstance(transform, Symmetry):
@@ -90,14 +90,14 @@ def transformed(
         most, copies = MOST_COPIES, transform.copies
         by = (transform.x, transform.y)
         motions = [Motion(shift=(k * by[0], k * by[1])) for k in _numbers(copies)]
-        found += _limits(figure, copies, most)
+        findings += _limits(figure, copies, most)
     else:
         most, copies = MOST_TURNS, transform.copies
         turn = Fraction(transform.degrees)
         motions = [Motion(turn * k % 360, about=transform.about) for k in _numbers(copies)]
-        found += _limits(figure, copies, most)
-    if found:
-        return None, found
+        findings += _limits(figure, copies, most)
+    if findings:
+        return None, findings
     keeps = getattr(transform, "copies", 0) > 0
     origin = whole_origin(figure)
     images = list(figure) if keeps else []
@@ -107,7 +107,7 @@ def transformed(
         images += moved(figure, motion, ar, copy, origin)
         spots += _moved_threads(points, motion, ar)
     if not keeps:
-        return (tuple(images), tuple(spots)), found
+        return (tuple(images), tuple(spots)), findings
     return _together(images, len(figure), spots, len(points), "copies")
 
 
@@ -118,14 +118,23 @@ def _numbers(copies: int) -> range:
 def _limits(figure: Figure, copies: int, most: int) -> list[Diagnostic]:
     """Return an error for too many copies (the parser has said it with its place)."""
     if not (isinstance(copies, int) and 0 <= copies <= most):
-        return [error("wed-value", f"copies are a whole number up to {most}, not {copies}")]
+        return [
+            error(
+                "wed-value",
+                "copies are a whole number up to {most}, not {copies}",
+                most=most,
+                copies=copies,
+            )
+        ]
     total = (copies + 1) * sum(len(c) for c in figure)
     if total > MOST_SEGMENTS:
         return [
             error(
                 "too-large",
-                f"{copies} copies make {total} segments; {MOST_SEGMENTS} are taken for a typing "
-                "error",
+                "{copies} copies make {segments} segments; {most} are taken for a typing error",
+                copies=copies,
+                segments=total,
+                most=MOST_SEGMENTS,
             )
         ]
     return []
@@ -140,15 +149,15 @@ def _with(
         isinstance(transform.transform, Translate | Rotate) and transform.transform.copies
     ):
         return transformed(figure, transform.transform, ar, points)  # keeps the figure by itself
-    made, found = transformed(figure, transform.transform, ar, points)
+    made, findings = transformed(figure, transform.transform, ar, points)
     if made is None:
-        return None, found
+        return None, findings
     image, spots = made
     if _turns_over(transform.transform):
         image = tuple(c.reversed() for c in reversed(image))
     image = tuple(Contour(c.vertices, c.closed, numbered(c.sources, 1)) for c in image)
     result, more = _together([*figure, *image], len(figure), [*points, *spots], len(points), "with")
-    return result, found + more
+    return result, findings + more
 
 
 def _turns_over(t: Transform) -> bool:
@@ -164,10 +173,10 @@ def _together(
     contours: list[Contour], own: int, threads: list[ThreadPoint], own_threads: int, what: str
 ) -> tuple[tuple[Figure, Threads], list[Diagnostic]]:
     """Return figure and images without repeats, chains joined."""
-    figure, repeats = without_repeats(contours, own, what)
+    figure, repeats = drop_repeats(contours, own, what)
     figure, joins = join_chains(figure)
     x, y = np.array([p.x for p in threads]), np.array([p.y for p in threads])
-    i, j, _ = near_pairs(x, y, SAME_UM)
+    i, j, _ = near_pairs(x, y, COPY_UM)
     gone: set[int] = set()
     for a, b in zip(i.tolist(), j.tolist(), strict=True):
         if a not in gone and b >= own_threads:

@@ -1,7 +1,7 @@
 """Copies of open chains that meet become one chain: 36 slots are one closed contour.
 
 A chain keeps its direction and the order in which its copies were made. Where more than two ends
-meet nobody can say how the wire goes on, so nothing is joined there. What is left open when a ring
+meet it is open how the wire goes on, so nothing is joined there. What is left open when a ring
 of copies closes (the closing defect: angles that do not add up to a turn, digits of the arithmetic)
 is spread over all joints instead of being left to the last one; closure is exactly 0 then.
 """
@@ -13,17 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Span, note, warning
+from wedmcam.diag import Diagnostic, Place, Span, note, warning
 from wedmcam.geom.measure import extents, length, middles
 from wedmcam.geom.segments import Floats, of_rows
 from wedmcam.ir.contour import Contour
-from wedmcam.transforms.doubles import NOISE_UM, SAME_UM, place
+from wedmcam.transforms.doubles import COPY_UM, NOISE_UM
 from wedmcam.transforms.joints import near_pairs
 
 #: Ends of chains this near to each other join, um (part language: within 1 um).
 MEET_UM = 1.0
 #: Places that are listed in one finding.
-LISTED = 5
+NAMED_PLACES = 5
 
 End = tuple[int, int]  # contour, 0 its start or 1 its end
 
@@ -42,15 +42,16 @@ def join_chains(
     if not opened:
         return tuple(contours), ()
     other, crowded = _partners(contours, opened)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if crowded:
-        text = f"more than two ends of chains meet at {', '.join(place(*p) for p in crowded)} mm"
-        found.append(
+        places = tuple(Place.of_um(x, y) for x, y in crowded)
+        findings.append(
             warning(
                 "figure-branch",
-                f"{text}; nothing is joined there",
-                points_mm=tuple((x / 1e3, y / 1e3) for x, y in crowded),
+                "more than two ends of chains meet at {places}; nothing is joined there",
+                points_mm=places,
                 hint="draw what is copied so that each end meets one other end",
+                places=places,
             )
         )
     used: set[int] = set()
@@ -67,12 +68,12 @@ def join_chains(
         if len(chain) == 1 and not ring:
             out.append(c)
             continue
-        made = _merged([contours[i] if way else contours[i].reversed() for i, way in chain], ring)
-        out.append(made.contour)
-        joined.append(made)
+        merged = _merge([contours[i] if way else contours[i].reversed() for i, way in chain], ring)
+        out.append(merged.contour)
+        joined.append(merged)
     if joined:
-        found.append(_said(joined))
-    return tuple(out), tuple(found)
+        findings.append(_joined_note(joined))
+    return tuple(out), tuple(findings)
 
 
 def _partners(
@@ -92,12 +93,12 @@ def _partners(
         near.setdefault(b, []).append(a)
     other: dict[End, End] = {}
     crowded: list[tuple[float, float]] = []
-    told: set[int] = set()
+    seen: set[int] = set()
     for a, met in near.items():
         if len(met) == 1 and len(near[met[0]]) == 1:
             other[ends[a]] = ends[met[0]]
-        elif a not in told:
-            told.update((a, *met))
+        elif a not in seen:
+            seen.update((a, *met))
             crowded.append((float(x[a]), float(y[a])))
     return other, crowded
 
@@ -134,7 +135,7 @@ class _Joined:
     defect_um: float
 
 
-def _merged(pieces: list[Contour], ring: bool) -> _Joined:
+def _merge(pieces: list[Contour], ring: bool) -> _Joined:
     """Return the pieces as one contour, joints closed to the digit."""
     n = len(pieces)
     rows = [p.vertices.copy() for p in pieces]
@@ -201,26 +202,43 @@ def _meet(a: np.ndarray, b: np.ndarray) -> None:
         a[at][-1] = b[at][0] = m
 
 
-def _said(joined: list[_Joined]) -> Diagnostic:
+def _joined_note(joined: list[_Joined]) -> Diagnostic:
     rings = [j for j in joined if j.contour.closed]
     chains = len(joined) - len(rings)
-    became = [f"{len(rings)} closed contour{'s' * (len(rings) > 1)}"] if rings else []
-    became += [f"{chains} open chain{'s' * (chains > 1)}"] if chains else []
-    text = f"{sum(j.pieces for j in joined)} chains became {' and '.join(became)}"
-    text += f"; the largest gap was {max(j.gap_um for j in joined):.3f} um"
+    finding = note(
+        "figure-join",
+        "{pieces} chains became ",
+        count=len(joined),
+        pieces=sum(j.pieces for j in joined),
+        closed=len(rings),
+        open=chains,
+        gap_um=max(j.gap_um for j in joined),
+    )
     if rings:
-        worst = max(rings, key=lambda j: j.defect_um)
-        text += (
-            f", the largest closing defect {worst.defect_um:.3f} um, "
-            f"spread over {worst.pieces} joint{'s' * (worst.pieces > 1)}"
+        finding = finding.extended(
+            "1 closed contour" if len(rings) == 1 else "{closed} closed contours"
         )
-    return note("figure-join", text, count=len(joined))
+    if rings and chains:
+        finding = finding.extended(" and ")
+    if chains:
+        finding = finding.extended("1 open chain" if chains == 1 else "{open} open chains")
+    finding = finding.extended("; the largest gap was {gap_um:.3f} um")
+    if not rings:
+        return finding
+    worst = max(rings, key=lambda j: j.defect_um)
+    return finding.extended(
+        ", the largest closing defect {defect_um:.3f} um, spread over 1 joint"
+        if worst.pieces == 1
+        else ", the largest closing defect {defect_um:.3f} um, spread over {joints} joints",
+        defect_um=worst.defect_um,
+        joints=worst.pieces,
+    )
 
 
-def without_repeats(
+def drop_repeats(
     contours: Sequence[Contour], first_image: int, what: str
 ) -> tuple[tuple[Contour, ...], tuple[Diagnostic, ...]]:
-    """Drop images that lie on an earlier contour within `SAME_UM`, and say so.
+    """Drop images that lie on an earlier contour within `COPY_UM`, and say so.
 
     Args:
         contours: originals, then images.
@@ -230,26 +248,31 @@ def without_repeats(
     if len(contours) < 2:
         return tuple(contours), ()
     box = np.array([extents(c.vertices, c.closed) for c in contours])
-    i, j, _ = near_pairs(0.5 * (box[:, 0] + box[:, 2]), 0.5 * (box[:, 1] + box[:, 3]), SAME_UM)
+    i, j, _ = near_pairs(0.5 * (box[:, 0] + box[:, 2]), 0.5 * (box[:, 1] + box[:, 3]), COPY_UM)
     gone: set[int] = set()
     for a, b in zip(i.tolist(), j.tolist(), strict=True):
         here = b >= first_image and a not in gone and b not in gone
-        if here and np.abs(box[a] - box[b]).max() <= SAME_UM and _same(contours[a], contours[b]):
+        if here and np.abs(box[a] - box[b]).max() <= COPY_UM and _same(contours[a], contours[b]):
             gone.add(b)
     if not gone:
         return tuple(contours), ()
     at = contours[min(gone)].vertices
-    spot = (float(at["x"][0]), float(at["y"][0]))
-    many = "1 image lies" if len(gone) == 1 else f"{len(gone)} images lie"
-    found = warning(
+    first = Place.of_um(at["x"][0], at["y"][0])
+    findings = warning(
         "duplicate",
-        f"{what}: {many} on what is there already (within 0.001 mm) and "
-        f"{'is' if len(gone) == 1 else 'are'} left out, the first at {place(*spot)}",
+        "{transform}: 1 image lies on what is there already (within {within_mm:.3f} mm) and is "
+        "left out, the first at {first}"
+        if len(gone) == 1
+        else "{transform}: {count} images lie on what is there already (within {within_mm:.3f} mm) "
+        "and are left out, the first at {first}",
         contours[min(gone)].source_of(0),
-        points_mm=((spot[0] / 1e3, spot[1] / 1e3),),
+        points_mm=(first,),
         count=len(gone),
+        transform=what,
+        within_mm=COPY_UM / 1e3,
+        first=first,
     )
-    return tuple(c for k, c in enumerate(contours) if k not in gone), (found,)
+    return tuple(c for k, c in enumerate(contours) if k not in gone), (findings,)
 
 
 def _same(a: Contour, b: Contour) -> bool:
@@ -259,6 +282,6 @@ def _same(a: Contour, b: Contour) -> bool:
     (ax, ay), (bx, by) = (middles(of_rows(c.starts, c.ends)) for c in (a, b))
     if len(a) == 1 and a.closed:  # circles: the box has said it, and middles go with the start
         return True
-    i, j, _ = near_pairs(np.concatenate([ax, bx]), np.concatenate([ay, by]), SAME_UM)
+    i, j, _ = near_pairs(np.concatenate([ax, bx]), np.concatenate([ay, by]), COPY_UM)
     across = (i < len(ax)) & (j >= len(ax))
     return len(np.unique(i[across])) == len(ax) and len(np.unique(j[across])) == len(bx)

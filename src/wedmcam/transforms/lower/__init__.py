@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic, error, note, warning
+from wedmcam.diag import Diagnostic, Place, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.transforms.lower import moves
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
-from wedmcam.transforms.lower.layout import Course, lay_out
+from wedmcam.transforms.lower.layout import Layout, lay_out
 from wedmcam.transforms.lower.repair import best_chain
 from wedmcam.transforms.lower.steps import in_steps
 
@@ -39,7 +39,7 @@ CHORD_SAG_UM = 0.3
 MOVED_UM = 1.05
 NEIGHBOURS = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
 #: Arcs shorter than this are not split further; um.
-SHORTEST_UM = 4.0
+UNSPLIT_UM = 4.0
 #: Arcs of a larger sweep are split in four (radians).
 WIDE = 3.5
 
@@ -73,6 +73,10 @@ class Rules:
     def per_mm(self) -> float:
         """How many steps go to a mm."""
         return 1000.0 / self.step_um
+
+    def place(self, x: float, y: float) -> Place:
+        """Return a place that is given in steps."""
+        return Place(float(x) / self.per_mm, float(y) / self.per_mm)
 
 
 @dataclass(slots=True)
@@ -125,7 +129,7 @@ SEGMENT = (
     "ay",
 )
 #: Those that the course states and that are whole numbers.
-COURSE = ("v0", "v1", "turn", "source", "role", "cut", "keeps", "group")
+STATED = ("v0", "v1", "turn", "source", "role", "cut", "keeps", "group")
 
 
 def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
@@ -138,11 +142,11 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     (errors), ``radius-over-limit`` (warning: chords), ``blocks-split`` and ``specks-dropped``
     (notes).
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     plan = in_steps(plan, rules.step_um)
-    course = lay_out(plan)
-    s = _state(course)
-    found += _chords_over_limit(s, course, rules)
+    layout = lay_out(plan)
+    s = _state(layout)
+    findings += _chords_over_limit(s, layout, rules)
     _split_long_lines(s, rules)
     _split_nearly_closed(s)
     budget = Budget()
@@ -159,71 +163,78 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     bad = np.flatnonzero(s.done == 0)
     if len(bad):
         k = int(bad[0])
-        found.append(
+        findings.append(
             error(
                 "cannot-lower",
-                f"an arc near ({s.x[s.v0[k]] / rules.per_mm:.3f}, "
-                f"{s.y[s.v0[k]] / rules.per_mm:.3f}) mm has no "
-                "stepped image within the budget of deviation",
-                course.sources[s.source[k]] if s.source[k] >= 0 else None,
+                "an arc near {place} has no stepped image within the budget of deviation",
+                layout.sources[s.source[k]] if s.source[k] >= 0 else None,
                 hint="please report the drawing",
+                place=rules.place(s.x[s.v0[k]], s.y[s.v0[k]]),
             )
         )
-        return None, found
+        return None, findings
     if splits:
-        found.append(
+        findings.append(
             note(
                 "blocks-split",
-                f"{splits} arcs were split so that the path stays within {2 * rules.step_um:g} um",
+                "{arcs} arcs were split so that the path stays within {within_um:g} um",
+                arcs=splits,
+                within_um=2 * rules.step_um,
             )
         )
-    short = _short_marks(s, course, plan, rules)
+    short = _short_marks(s, layout, plan, rules)
     if short:
-        return None, found + short
-    program, more = _blocks(s, course, plan, rules)
-    return program, found + more
+        return None, findings + short
+    program, more = _blocks(s, layout, plan, rules)
+    return program, findings + more
 
 
-def _short_marks(s: _State, course: Course, plan: Plan, rules: Rules) -> list[Diagnostic]:
+def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Diagnostic]:
     """Return errors where a stop or an overcut begins and ends on one step: it would be none.
 
     A pause on the step of the thread point is the end of the cut, to the machine as to the judge.
     """
-    found = []
-    for name, index, vertex, others in course.marks:
+    findings = []
+    for name, index, vertex, others in layout.marks:
         x, y = int(s.gx[vertex]), int(s.gy[vertex])
         if all((x, y) != (int(s.gx[v]), int(s.gy[v])) for v in others):
             continue
         cut, per = plan.cuts[index], rules.per_mm
         length = cut.stop_um if name == "stop" else cut.overcut_um
-        at = f"({x / per:.3f}, {y / per:.3f}) mm"
-        found.append(
+        end = rules.place(x, y)
+        findings.append(
             error(
                 f"{name}-too-short",
-                f"the {name} of {length / per:.3f} mm of cut {index + 1} is lost on the grid of "
-                f"the machine's steps: {at}, where it ends, is also where the cut "
-                + ("does, or its thread point" if name == "stop" else "closes"),
+                "the stop of {length_mm:.3f} mm of cut {cut} is lost on the grid of the machine's "
+                "steps: {end}, where it ends, is also where the cut does, or its thread point"
+                if name == "stop"
+                else "the overcut of {length_mm:.3f} mm of cut {cut} is lost on the grid of the "
+                "machine's steps: {end}, where it ends, is also where the cut closes",
                 cut.path.source_of(0),
-                hint=f"a longer --{name}, or none",
-                points_mm=((x / per, y / per),),
+                hint="a longer --{option}, or none",
+                points_mm=(end,),
+                option=name,
+                length_mm=length / per,
+                cut=index + 1,
+                end=end,
             )
         )
-    return found
+    return findings
 
 
-def _state(course: Course) -> _State:
-    ints = {n: np.array(getattr(course, n), np.int64) for n in COURSE}
-    n = len(course.v0)
-    x, y = np.array(course.x), np.array(course.y)
+def _state(layout: Layout) -> _State:
+    ints = {n: np.array(getattr(layout, n), np.int64) for n in STATED}
+    n = len(layout.v0)
+    x, y = np.array(layout.x), np.array(layout.y)
     zero = np.zeros(n, np.int64)
     return _State(
         **ints,
-        cx=np.array(course.cx),
-        cy=np.array(course.cy),
-        radius=np.array(course.radius),
+        cx=np.array(layout.cx),
+        cy=np.array(layout.cy),
+        radius=np.array(layout.radius),
         x=x,
         y=y,
-        pinned=np.array(course.pinned, bool),
+        pinned=np.array(layout.pinned, bool),
         gx=to_grid(x),
         gy=to_grid(y),
         done=np.where(ints["turn"] != 0, -1, 2),
@@ -295,21 +306,24 @@ def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> None:
         s.done[touched] = np.where(s.turn[touched] != 0, -1, 2)
 
 
-def _chords_over_limit(s: _State, course: Course, rules: Rules) -> list[Diagnostic]:
+def _chords_over_limit(s: _State, layout: Layout, rules: Rules) -> list[Diagnostic]:
     rows = np.flatnonzero((s.turn != 0) & (s.radius > rules.arc_um - 2))
     if not len(rows):
         return []
     _, sweep = _sweeps(s, rows)
     step = 2 * np.arccos(1 - CHORD_SAG_UM / s.radius[rows])
-    found = []
+    findings = []
     for k, n in zip(rows.tolist(), np.ceil(sweep / step).astype(int).tolist(), strict=True):
-        found.append(
+        findings.append(
             warning(
                 "radius-over-limit",
-                f"an arc of radius {s.radius[k] / rules.per_mm:.3f} mm is over the format's limit "
-                f"of {rules.arc_um / rules.per_mm:.3f} mm: cut as {n} chords within "
-                f"{CHORD_SAG_UM * rules.step_um:g} um",
-                course.sources[s.source[k]] if s.source[k] >= 0 else None,
+                "an arc of radius {radius_mm:.3f} mm is over the format's limit of {most_mm:.3f} "
+                "mm: cut as {chords} chords within {within_um:g} um",
+                layout.sources[s.source[k]] if s.source[k] >= 0 else None,
+                radius_mm=float(s.radius[k]) / rules.per_mm,
+                most_mm=rules.arc_um / rules.per_mm,
+                chords=n,
+                within_um=CHORD_SAG_UM * rules.step_um,
             )
         )
     first = len(s.x)
@@ -326,7 +340,7 @@ def _chords_over_limit(s: _State, course: Course, rules: Rules) -> list[Diagnost
     away = np.hypot(px - s.x[v][:, None], py - s.y[v][:, None])
     best = np.argmin(np.abs(off - outwards[of][:, None]) + 0.02 * away, axis=1)
     s.gx[v], s.gy[v] = px[np.arange(len(v)), best], py[np.arange(len(v)), best]
-    return found
+    return findings
 
 
 def _split_long_lines(s: _State, rules: Rules) -> None:
@@ -521,7 +535,7 @@ def _split(s: _State, bad: Ints) -> None:
     """Split failed arcs in two, whole turns in four; what is too short becomes a line."""
     _, sweep = _sweeps(s, bad)
     # A whole turn as a line would be nothing at all.
-    short = (s.radius[bad] * sweep < SHORTEST_UM) & (sweep <= WIDE)
+    short = (s.radius[bad] * sweep < UNSPLIT_UM) & (sweep <= WIDE)
     s.done[bad[short]] = 2
     bad, sweep = bad[~short], sweep[~short]
     if len(bad):
@@ -537,10 +551,10 @@ def _split(s: _State, bad: Ints) -> None:
 
 
 def _blocks(
-    s: _State, course: Course, plan: Plan, rules: Rules
+    s: _State, layout: Layout, plan: Plan, rules: Rules
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program: blocks of all groups, with the control records between them."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     per = rules.per_mm
     a, b = s.v0, s.v1
     dx, dy = s.gx[b] - s.gx[a], s.gy[b] - s.gy[a]
@@ -548,10 +562,11 @@ def _blocks(
     still = ~arc & (dx == 0) & (dy == 0)
     specks = still & (s.role == Role.CONTOUR) & (a != b)
     if specks.any():
-        found.append(
+        findings.append(
             note(
                 "specks-dropped",
-                f"{int(specks.sum())} segments begin and end on one micron: no block of their own",
+                "{segments} segments begin and end on one micron: no block of their own",
+                segments=int(specks.sum()),
             )
         )
     blocks = np.zeros(len(a), BLOCK)
@@ -575,14 +590,21 @@ def _blocks(
             here = moves.end_of(before)
             mx, my = cut.thread[0] - here[0], cut.thread[1] - here[1]
             if rules.move_um is not None and max(abs(mx), abs(my)) > rules.move_um:
-                found.append(
+                findings.append(
                     error(
                         "move-too-long",
-                        f"the move from ({here[0] / per:.3f}, {here[1] / per:.3f}) to the thread "
-                        f"point ({cut.thread[0] / per:.3f}, {cut.thread[1] / per:.3f}) mm is "
-                        f"longer than one block of {rules.move_um / per:.3f} mm",
+                        "the move from {here:xy} to the thread point {thread} is longer than one "
+                        "block of {most_mm:.3f} mm",
                         cut.path.source_of(0),
-                        hint=moves.cure(plan, rules.move_um),
+                        hint="another --order may help; --to iso --profile iso-mm moves with G00, "
+                        "of any length"
+                        if moves.order_may_help(plan, rules.move_um)
+                        else "no --order helps: some contours are farther than a block from all "
+                        "that may be cut before and after them; --to iso --profile iso-mm moves "
+                        "with G00, of any length, or a program for each group (--cuts)",
+                        here=rules.place(*here),
+                        thread=rules.place(*cut.thread),
+                        most_mm=rules.move_um / per,
                     )
                 )
             if mx or my:
@@ -591,19 +613,19 @@ def _blocks(
                 m_axis, m_count = rules.stepping.line_count(np.array([mx]), np.array([my]))
                 move["axis"], move["count"] = m_axis, m_count
                 parts += [move, _control(Kind.PAUSE)]
-        for n, group in enumerate(course.cut_groups[index]):
+        for n, group in enumerate(layout.cut_groups[index]):
             if n:
                 parts.append(_control(Kind.PAUSE))
             first, last = np.searchsorted(groups, [group, group + 1])
             body = blocks[order[first:last]]
-            parts.append(_never_alone(body, rules))
+            parts.append(_split_alone(body, rules))
     parts.append(_control(Kind.STOP))
     start = plan.cuts[0].thread
-    if any(d.code == "move-too-long" for d in found):
-        return None, found
+    if any(d.code == "move-too-long" for d in findings):
+        return None, findings
     return (
-        Program(np.concatenate(parts), start, tuple(course.sources), step_um=rules.step_um),
-        found,
+        Program(np.concatenate(parts), start, tuple(layout.sources), step_um=rules.step_um),
+        findings,
     )
 
 
@@ -613,7 +635,7 @@ def _control(kind: Kind) -> NDArray[np.void]:
     return block
 
 
-def _never_alone(body: NDArray[np.void], rules: Rules) -> NDArray[np.void]:
+def _split_alone(body: NDArray[np.void], rules: Rules) -> NDArray[np.void]:
     """Write a single line between two D as two: alone it would be a move (2-3b.md)."""
     if len(body) != 1 or body["kind"][0] != Kind.LINE:
         return body

@@ -35,7 +35,7 @@ class Mark(NamedTuple):
 
 
 @dataclass(slots=True)
-class Course:
+class Layout:
     """Segments in cutting order, and the vertices they run between.
 
     Columns of segments: v0, v1 (vertex numbers), cx, cy, radius, turn, source, role, cut (number),
@@ -136,49 +136,49 @@ class Rows:
         )
 
 
-def lay_out(plan: Plan) -> Course:
+def lay_out(plan: Plan) -> Layout:
     """Return the course of a plan: per cut lead-in, path, overcut and back, lead-out."""
-    course = Course()
+    layout = Layout()
     for index, cut in enumerate(plan.cuts):
-        _lay_cut(course, cut, index)
-    return course
+        _lay_cut(layout, cut, index)
+    return layout
 
 
-def _lay_cut(course: Course, cut: Cut, index: int) -> None:
-    base = course.cite(cut.path.sources)
+def _lay_cut(layout: Layout, cut: Cut, index: int) -> None:
+    base = layout.cite(cut.path.sources)
     keeps = 0 if cut.keeps_left is None else (1 if cut.keeps_left else -1)
-    path, stop_at, over_at = _path_rows(course, cut, base)
-    thread = course.vertex(*cut.thread, pinned=True)
+    path, stop_at, over_at = _path_rows(layout, cut, base)
+    thread = layout.vertex(*cut.thread, pinned=True)
     first, last = path.v0[0], path.v1[-1]
     lead_in = Rows(Role.LEAD_IN, [thread], [first], [0.0], [0.0], [0.0], [0], [-1])
-    group = course.group[-1] + 1 if course.group else 0
+    group = layout.group[-1] + 1 if layout.group else 0
     number = index + 1
     groups = [group]
-    course.extend(lead_in, group, number, 0)
+    layout.extend(lead_in, group, number, 0)
     if stop_at is not None:
         there = path.v0[stop_at] if stop_at < len(path.v0) else last
-        course.marks.append(Mark("stop", index, there, (thread, last)))
+        layout.marks.append(Mark("stop", index, there, (thread, last)))
     if over_at is not None:
         there = path.v1[over_at - 1] if over_at else first
-        course.marks.append(Mark("overcut", index, there, (first,)))
+        layout.marks.append(Mark("overcut", index, there, (first,)))
     stop_at = len(path.v0) if stop_at is None else stop_at
-    course.extend(path.part(0, stop_at), group, number, keeps)
+    layout.extend(path.part(0, stop_at), group, number, keeps)
     if stop_at < len(path.v0):
         group += 1
         groups.append(group)
-        course.extend(path.part(stop_at, len(path.v0)), group, number, keeps)
+        layout.extend(path.part(stop_at, len(path.v0)), group, number, keeps)
     if over_at:
         over = path.part(0, over_at, Role.OVERCUT)
-        course.extend(over, group, number, keeps)
+        layout.extend(over, group, number, keeps)
         # Back in the kerf: the only way out that certainly cuts nothing.
-        course.extend(over.backwards(), group, number, -keeps)
+        layout.extend(over.backwards(), group, number, -keeps)
     if cut.path.closed:
         out = Rows(Role.LEAD_OUT, [last], [thread], [0.0], [0.0], [0.0], [0], [-1])
-        course.extend(out, group, number, 0)
-    course.cut_groups.append(groups)
+        layout.extend(out, group, number, 0)
+    layout.cut_groups.append(groups)
 
 
-def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int | None, int | None]:
+def _path_rows(layout: Layout, cut: Cut, base: int) -> tuple[Rows, int | None, int | None]:
     """Return the path as rows, and the rows before which the stop and the end of the overcut lie.
 
     None where there is none.
@@ -195,14 +195,14 @@ def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int | None, i
     v = contour.vertices
     vx, vy, source = v["x"], v["y"], v["source"]
     n = len(s)
-    first = here = course.vertex(vx[0], vy[0], pinned=True)
+    first = here = layout.vertex(vx[0], vy[0], pinned=True)
     stop_row: int | None = None
     over_row: int | None = None
     for k in range(n):
         low, high = float(begin_at[k]), float(ends_at[k])
         for mark in marks:
             if low + 0.5 < mark < high - 0.5:
-                there = course.vertex(*_at(s, begin_at, mark))
+                there = layout.vertex(*_at(s, begin_at, mark))
                 _append(rows, here, there, s, k, int(source[k]), base)
                 here, low = there, mark
             if abs(low - mark) <= 0.5:
@@ -213,7 +213,7 @@ def _path_rows(course: Course, cut: Cut, base: int) -> tuple[Rows, int | None, i
         if contour.closed and k == n - 1:
             there = first
         else:
-            there = course.vertex(vx[k + 1], vy[k + 1], pinned=k == n - 1)
+            there = layout.vertex(vx[k + 1], vy[k + 1], pinned=k == n - 1)
         _append(rows, here, there, s, k, int(source[k]), base)
         here = there
     if stop is not None and stop_row is None:

@@ -14,9 +14,6 @@ from wedmcam.geom import measure
 from wedmcam.geom.quantize import to_grid
 from wedmcam.ir.plan import Cut, Plan
 
-#: What takes a move of any length.
-FREE = "--to iso --profile iso-mm moves with G00, of any length"
-
 
 def end_of(cut: Cut) -> tuple[int, int]:
     """Return where the wire is after a cut, whole steps."""
@@ -27,18 +24,13 @@ def end_of(cut: Cut) -> tuple[int, int]:
     return x, y
 
 
-def cure(plan: Plan, most: int) -> str:
-    """Return what helps where a move is longer than ``most`` steps on an axis."""
+def order_may_help(plan: Plan, most: int) -> bool:
+    """Return whether an order may have no move that is longer than ``most`` steps on an axis."""
     starts = np.array([cut.thread for cut in plan.cuts], float).reshape(-1, 2)
     ends = np.array([end_of(cut) for cut in plan.cuts], float).reshape(-1, 2)
     reach = np.abs(ends[:, None, :] - starts[None, :, :]).max(axis=2) <= most
     reach |= reach.T
-    if _connected(reach, plan):
-        return f"another --order may help; {FREE}"
-    return (
-        f"no --order helps: some contours are farther than a block from all that may be cut before "
-        f"and after them; {FREE}, or a program for each group (--cuts)"
-    )
+    return _connected(reach, plan)
 
 
 def _connected(reach: NDArray[np.bool_], plan: Plan) -> bool:

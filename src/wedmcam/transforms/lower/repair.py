@@ -2,7 +2,7 @@
 
 About one short arc in a few has no centre from which the interpolator ends on the wanted micron.
 Then its ends may go to neighbouring microns, and so may those of the arcs next to it: a chain of
-choices, each pair of which has a cost, solved exactly by dynamic programming (Viterbi).
+choices, where each pair has a cost, solved exactly by dynamic programming (Viterbi).
 """
 
 from __future__ import annotations

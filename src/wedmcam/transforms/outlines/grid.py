@@ -18,12 +18,11 @@ from wedmcam.geom.segments import TAU, Floats, Ints, Segments
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.program import Role
 from wedmcam.ir.programmed import PROGRAMMED
+from wedmcam.transforms.lower import CHORD_SAG_UM
 from wedmcam.transforms.lower.repair import best_chain
 
 #: Arcs shorter than so many steps of the grid are lines.
 SHORT = 8.0
-#: Sagitta of the chords of an arc whose radius does not fit the format; um.
-CHORD_SAG_UM = 0.3
 #: Candidates of a vertex, the nearest place of the grid first, in steps of it.
 NINE = np.array([(0, 0), *((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)])
 #: A stray into the part counts so much more than one away from it: 1.6 um and 2.0 are allowed.

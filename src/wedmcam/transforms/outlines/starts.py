@@ -52,12 +52,14 @@ def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
         PlannedPath(c.path, c.outline or c.path, None, c.offset_um, k) for k, c in enumerate(moved)
     ]
     threaded = [Threaded(c.path, c.thread) for c in moved]
-    found = leads.collisions(
-        paths,
-        threaded,
-        "such a controller starts beside a corner, not in it: put the thread point (or 'enter') "
-        f"{FROM_CORNER_UM / 1000:g} mm from it, or give another one",
-    )
+    found = [
+        d.extended(
+            hint="such a controller starts beside a corner, not in it: put the thread point (or "
+            "'enter') {apart_mm:g} mm from it, or give another one",
+            apart_mm=FROM_CORNER_UM / 1000,
+        )
+        for d in leads.collisions(paths, threaded)
+    ]
     return (None if found else replace(plan, cuts=tuple(moved))), found
 
 
@@ -79,7 +81,7 @@ def _restarted(cut: Cut, grid: Grid) -> Cut:
     for k in np.lexsort((px, py, np.round(np.hypot(px - x, py - y), 3))).tolist():
         foot = foot_of(drawn, float(px[k]), float(py[k]), offset, True)
         if foot is not None:
-            path = leads.rotated(cut.path, s, k, float(at[k]))
+            path = leads.start_at(cut.path, s, k, float(at[k]))
             again = seg.of_rows(path.starts, path.ends)
             return _slid(replace(cut, path=path), again, drawn, foot, offset, grid)
     return cut
@@ -131,7 +133,7 @@ def _slid(cut: Cut, s: Segments, drawn: Segments, foot: Foot, offset: float, gri
     rows = np.flatnonzero(fits & (ux * tx + uy * ty > 0.9))
     if not len(rows):
         return cut
-    return replace(cut, path=leads.rotated(cut.path, s, int(rows[0]), float(there[rows[0]]), 0.0))
+    return replace(cut, path=leads.start_at(cut.path, s, int(rows[0]), float(there[rows[0]]), 0.0))
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom import crossings, measure, pairs
 from wedmcam.geom.gaps import gaps
 from wedmcam.geom.segments import Segments, boxes
 from wedmcam.ir.plan import Cut, Scene
-from wedmcam.transforms.doubles import mm, place
 
 #: How much nearer than its radius the wire may be, um: roundings of the path, and of the proof.
 ROOM_UM = 0.5
@@ -24,7 +23,7 @@ ROOM_UM = 0.5
 
 def beside(scenes: Sequence[Scene], cuts: Sequence[Cut]) -> list[Diagnostic]:
     """Return an error for each cut whose wire enters what is kept of another scene of its plate."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for number, scene in enumerate(scenes):
         if not scene.beside or scene.keeps is None:
             continue
@@ -40,7 +39,7 @@ def beside(scenes: Sequence[Scene], cuts: Sequence[Cut]) -> list[Diagnostic]:
                 continue
             wire = cut.offset_um + cut.clearance_um
             path = measure.segments_of(cut.path.vertices, cut.path.closed)
-            i, j = pairs.overlapping(pairs.grown(boxes(path), wire), boxes(kept))
+            i, j = pairs.overlapping(pairs.grow(boxes(path), wire), boxes(kept))
             if not len(i):
                 continue
             near = gaps(path.take(i), kept.take(j))
@@ -51,8 +50,8 @@ def beside(scenes: Sequence[Scene], cuts: Sequence[Cut]) -> list[Diagnostic]:
             if met is not None:
                 (x, y), um = met, max(um, wire)
             if um > ROOM_UM:
-                found.append(_enters(cut, scene, closed[int(owner[j[k]])], x, y, um))
-    return found
+                findings.append(_enters(cut, scene, closed[int(owner[j[k]])], x, y, um))
+    return findings
 
 
 def _crossing(
@@ -68,12 +67,15 @@ def _crossing(
 
 def _enters(cut: Cut, scene: Scene, outline: int, x: float, y: float, um: float) -> Diagnostic:
     other = scene.outlines[outline].source_of(0)
+    place = Place.of_um(x, y)
     return error(
         "interference",
-        f"the wire beside this contour enters what is kept of another one by {mm(um)} mm at "
-        f"{place(x, y)} mm",
+        "the wire beside this contour enters what is kept of another one by {depth_mm:.3f} mm at "
+        "{place}",
         cut.path.source_of(0),
         notes=(("the other one", other),),
-        points_mm=((x / 1e3, y / 1e3),),
+        points_mm=(place,),
         hint="draw them farther apart, or compile each layer by itself (--layer)",
+        depth_mm=um / 1e3,
+        place=place,
     )

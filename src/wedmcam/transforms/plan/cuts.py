@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from wedmcam.diag import Diagnostic, error, warning
+from wedmcam.diag import Diagnostic, Place, error, warning
 from wedmcam.geom import measure
 from wedmcam.ir.figure import Reverse
 from wedmcam.ir.plan import Cut, Scene
-from wedmcam.transforms.plan.idle import NEARER_END, Used
+from wedmcam.transforms.plan.idle import Used
 from wedmcam.transforms.plan.leads import Threaded, lead
 from wedmcam.transforms.plan.options import Leading
 from wedmcam.transforms.plan.order import order, parents_of
@@ -95,8 +95,9 @@ def _idle_lead(asked: ShapedCut) -> Diagnostic:
     """Return a warning on the 'lead' of a cut that is entered from elsewhere."""
     return warning(
         "wed-option",
-        "'lead' has no effect: the cut is entered from "
-        + ("its start" if asked.starts else "the centre of the circle"),
+        "'lead' has no effect: the cut is entered from its start"
+        if asked.starts
+        else "'lead' has no effect: the cut is entered from the centre of the circle",
         asked.item.span,
     )
 
@@ -112,9 +113,11 @@ def _overruled(
     return [
         warning(
             words.idle,
-            f"{said[0]} has no effect: {NEARER_END}",
+            "{option} has no effect: an open contour is run from the end that is nearer to its "
+            "thread point",
             asked.item.span or turned[0].path.source_of(0),
             count=len(turned),
+            option=said[0],
         )
     ]
 
@@ -132,7 +135,6 @@ def _too_long(
 ) -> list[Diagnostic]:
     """Return errors where a stop or an overcut is longer than the path."""
     found = []
-    text, hint = words.too_long
     for name in ("stop", "overcut"):
         for number, cut in made:
             length = cut.stop_um if name == "stop" else cut.overcut_um
@@ -141,13 +143,19 @@ def _too_long(
             whole = measure.length(cut.path.vertices, cut.path.closed)
             if length < whole - 1.0:
                 continue
-            x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
-            said = text.format(
-                name=name,
-                length=f"{length / 1000:.3f}",
-                whole=f"{whole / 1000:.3f}",
-                place=f"({x:.3f}, {y:.3f})",
+            found.append(
+                error(
+                    f"{name}-too-long",
+                    "'{option}' of {length_mm:.3f} mm is longer than the path of {path_mm:.3f} mm"
+                    if words.of_part
+                    else "--{option} {length_mm:.3f} mm is longer than the path of {path_mm:.3f} "
+                    "mm that starts at {start}",
+                    asked[number].item.span or cut.path.source_of(0),
+                    hint="a shorter {option}" if words.of_part else "a shorter --{option}",
+                    option=name,
+                    length_mm=length / 1000,
+                    path_mm=whole / 1000,
+                    start=Place.of_um(*cut.thread),
+                )
             )
-            span = asked[number].item.span or cut.path.source_of(0)
-            found.append(error(f"{name}-too-long", said, span, hint=hint.format(name=name)))
     return found

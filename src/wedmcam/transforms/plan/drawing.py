@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, EntityRef, error, note, warning
+from wedmcam.diag import Diagnostic, EntityRef, Place, error, note, warning
 from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.part import CutItem, Shape
@@ -152,19 +152,21 @@ def _plates(cuts: Sequence[ShapedCut]) -> list[Diagnostic]:
     punches = [c for cut in cuts if cut.plate for c in cut.figure]
     if not punches:
         return []
-    one = len(punches) == 1
     v = punches[0].vertices
-    x, y = float(v["x"][0]) / 1000, float(v["y"][0]) / 1000
+    first = Place.of_um(v["x"][0], v["y"][0])
     return [
         warning(
             "two-plates",
-            f"{'1 contour' if one else f'{len(punches)} contours'} of punches "
-            f"{'lies' if one else 'lie'} in openings of a die, {'' if one else 'the first '}at "
-            f"({x:.3f}, {y:.3f}) mm: the last to be cut, from a second plate",
+            "1 contour of punches lies in openings of a die, at {first}: the last to be cut, from "
+            "a second plate"
+            if len(punches) == 1
+            else "{count} contours of punches lie in openings of a die, the first at {first}: the "
+            "last to be cut, from a second plate",
             punches[0].source_of(0),
-            points_mm=((x, y),),
+            points_mm=(first,),
             hint="change the plate at the pause before them; or --layer, one program for each",
             count=len(punches),
+            first=first,
         )
     ]
 
@@ -177,19 +179,21 @@ def _behind(group: Group, cutting: Cutting) -> list[Diagnostic]:
         return []
     spans = [c.source_of(k) for c in group.contours for k in range(len(c))]
     names = sorted({s.layer for s in spans if isinstance(s, EntityRef)})
-    who = "the punch" if group.rule.side is Side.PART else "the die"
-    where = (
-        "on the line"
-        if apart == 0
-        else f"{-apart / 1000:.3f} mm on the other side of the line, in what is drawn as kept"
-    )
     return [
         note(
             "behind-the-line",
-            f"{who}: the clearance {group.rule.clearance_um / 1000:.3f} mm is "
-            f"{'all of' if apart == 0 else 'more than'} the offset {wire / 1000:.3f} mm: the wire "
-            f"runs {where} (layer {', '.join(names[:4])})",
+            "the {taker}: the clearance {clearance_mm:.3f} mm is all of the offset {offset_mm:.3f} "
+            "mm: the wire runs on the line (layer {layers})"
+            if apart == 0
+            else "the {taker}: the clearance {clearance_mm:.3f} mm is more than the offset "
+            "{offset_mm:.3f} mm: the wire runs {behind_mm:.3f} mm on the other side of the line, "
+            "in what is drawn as kept (layer {layers})",
             group.contours[0].source_of(0),
+            taker="punch" if group.rule.side is Side.PART else "die",
+            clearance_mm=group.rule.clearance_um / 1000,
+            offset_mm=wire / 1000,
+            behind_mm=-apart / 1000,
+            layers=names[:4],
         )
     ]
 
@@ -208,15 +212,16 @@ def _unfit(group: Group, join_um: float) -> list[Diagnostic]:
         found += open_contour_findings(opened, join_um)
     if side in (Side.LEFT, Side.RIGHT):
         for c in (merge_arcs(c) for c in contours if c.closed):
-            x, y = float(c.vertices["x"][0]) / 1000, float(c.vertices["y"][0]) / 1000
+            start = Place.of_um(c.vertices["x"][0], c.vertices["y"][0])
             found.append(
                 error(
                     "closed-left-right",
-                    f"the closed contour at ({x:.3f}, {y:.3f}) mm has an inside and an "
-                    f"outside, not a {side} side",
+                    "the closed contour at {start} has an inside and an outside, not a {side} side",
                     c.source_of(0),
-                    points_mm=((x, y),),
+                    points_mm=(start,),
                     hint="--side part keeps what is inside, --side die what is outside",
+                    start=start,
+                    side=str(side),
                 )
             )
     if side is Side.ON and not stated and contours:

@@ -1,4 +1,4 @@
-"""Options that were asked for and have no effect on what is cut: that is said.
+"""Warnings on options that were given and have no effect on what is cut.
 
 Whoever gave them expects another program. Defaults of a shop are for every part: no wish of this
 one, and passed over.
@@ -38,10 +38,8 @@ _OF_DRAWINGS = (
     ("starts_um", "each cut names its start"),
     ("order", "cuts are made in the order in which they are written"),
 )
-#: Fields of the wire path, in the order in which they are told.
+#: Fields of the wire path, in the order in which findings name them.
 _OF_PATH = ("offset_um", "corner_um", "sharp", "trim", "lead_um", "stop_um", "overcut_um")
-#: Why a direction that was stated is not that of the wire.
-NEARER_END = "an open contour is run from the end that is nearer to its thread point"
 
 
 @dataclass(slots=True)
@@ -74,14 +72,28 @@ def of_source(part: Part, units: str | None, wished: Set[str]) -> list[Diagnosti
         units: that are stated for a drawing.
         wished: names of the fields that were asked for.
     """
-    found = []
+    findings: list[Diagnostic] = []
     for name, instead in _OF_DRAWINGS:
         if name in wished:
-            found.append(warning("wed-option", f"{option_of(name)} has no effect: {instead}"))
+            findings.append(
+                warning(
+                    "wed-option",
+                    "{option} has no effect: {reason}",
+                    option=option_of(name),
+                    reason=instead,
+                )
+            )
     if "units" in wished and units not in (None, part.units):
-        text = f"--units {units} has no effect: the part program is in {part.units}"
-        found.append(warning("wed-option", text, hint="units stand in its first line"))
-    return found
+        findings.append(
+            warning(
+                "wed-option",
+                "--units {units} has no effect: the part program is in {own_units}",
+                hint="units stand in its first line",
+                units=units,
+                own_units=part.units,
+            )
+        )
+    return findings
 
 
 def of_path(used: Used, cutting: Cutting, leading: Leading, words: Wording) -> list[Diagnostic]:
@@ -93,17 +105,25 @@ def of_path(used: Used, cutting: Cutting, leading: Leading, words: Wording) -> l
         leading: likewise.
         words: of the source.
     """
-    found = []
+    findings: list[Diagnostic] = []
     for name in _OF_PATH:
         why = words.idle_reasons.get(name)
         group = cutting if hasattr(cutting, name) else leading
         # 0 asks for nothing, unless a cut says something else.
         empty = not getattr(group, name) and name not in words.stated
         if why and not empty and name not in used.names and used.wished(name):
-            word = " and ".join(_fillers(name, used)) or option_of(name)
-            has = "have" if " and " in word else "has"
-            found.append(warning(words.idle, f"{word} {has} no effect: {why}"))
-    return found
+            options = _fillers(name, used) or [option_of(name)]
+            findings.append(
+                warning(
+                    words.idle,
+                    "{option} have no effect: {reason}"
+                    if len(options) > 1
+                    else "{option} has no effect: {reason}",
+                    option=" and ".join(options),
+                    reason=why,
+                )
+            )
+    return findings
 
 
 def _fillers(name: str, used: Used) -> list[str]:

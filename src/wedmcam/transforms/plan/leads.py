@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import LISTED, Diagnostic, error
+from wedmcam.diag import LISTED, Diagnostic, Place, error
 from wedmcam.geom import crossings, measure, pairs
 from wedmcam.geom import segments as seg
 from wedmcam.geom.quantize import to_grid
@@ -25,12 +25,12 @@ from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.plan.paths import PlannedPath
 
 #: A lead that arrives this near to a vertex arrives at it: no leftovers of a few steps; um.
-VERTEX_UM = 5.0
+SNAP_TO_VERTEX_UM = 5.0
 #: How much nearer than the offset to its outline a thread point may be: its own rounding; um.
 ROUNDED_UM = 1.0
 #: Ties of length within this are ties; um.
 TIE_UM = 1e-3
-#: A thread point that nobody stated is at least this share of its lead away from every path: the
+#: A thread point that we choose is at least this share of its lead away from every path: the
 #: lead lies along no wall. In a corner its lead halves the angle: one below 29 degrees is refused.
 CLEAR = 0.25
 #: A lead that is so near to its own path has arrived, um: what it meets there lies in one kerf.
@@ -40,7 +40,7 @@ LEAVES_UM = 1.0
 #: What is nearer than this touches, um.
 LEAST_UM = 1e-3
 #: Ends of segments are known to some nanometres: shorter ones may run anywhere, um.
-NOISE_UM = 0.05
+AIMLESS_UM = 0.05
 #: How often a lead is halved that would end too near to another wall.
 HALVED = 8
 
@@ -75,60 +75,68 @@ def lead(
     Args:
         paths: closed or open paths, um.
         threads: thread points, um; the nearest whole um is used.
-        lead_um: length of a lead that nobody stated.
+        lead_um: length of a lead whose thread point is chosen here.
         only: for each thread point the numbers of the paths that it may serve.
         words: how a thread point is given, for hints.
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     served: dict[int, tuple[int, int]] = {}
     stated: dict[int, ThreadPoint] = {}
     scene = _Scene(paths)
     for k, point in enumerate(threads):
-        if len(found) >= LISTED:
+        if len(findings) >= LISTED:
             more = len(threads) - k
-            text = f"{more:,} further thread points were not looked at"
-            found.append(error("thread-point-unused", text, count=more))
-            break
-        x, y = (int(v) for v in to_grid([point.x, point.y]))
-        place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
-        number, problem = _serves(scene, x, y, only[k])
-        if number is None:
-            found.append(
+            findings.append(
                 error(
                     "thread-point-unused",
-                    f"the thread point at {place} serves no contour: {problem}",
+                    "{count:,} further thread points were not looked at",
+                    count=more,
+                )
+            )
+            break
+        x, y = (int(v) for v in to_grid([point.x, point.y]))
+        place = Place.of_um(x, y)
+        number, problem = _serves(scene, x, y, only[k])
+        if number is None:
+            findings.append(
+                error(
+                    "thread-point-unused",
+                    "the thread point at {thread} serves no contour: {reason}",
                     point.span,
                     hint="put it on the scrap side of the contour that it is for, or remove it",
-                    points_mm=((x / 1000, y / 1000),),
+                    points_mm=(place,),
+                    thread=place,
+                    reason=problem,
                 )
             )
         elif number in served:
-            ox, oy = served[number]
-            found.append(
+            findings.append(
                 error(
                     "thread-point-twice",
-                    f"the thread point at {place} is a second one for the contour already served "
-                    f"from ({ox / 1000:.3f}, {oy / 1000:.3f}) mm",
+                    "the thread point at {thread} is a second one for the contour already served "
+                    "from {first}",
                     point.span,
                     hint="remove one of the two",
-                    points_mm=((x / 1000, y / 1000),),
+                    points_mm=(place,),
+                    thread=place,
+                    first=Place.of_um(*served[number]),
                 )
             )
         else:
             served[number] = (x, y)
             stated[number] = point
-    if found:
-        return None, found
+    if findings:
+        return None, findings
     free = [k for k in range(len(paths)) if k not in served]
-    result, along = _chosen(scene, free, lead_um)
-    cures = [_cure(planned, words, k in served) for k, planned in enumerate(paths)]
-    found += [_along_wall(paths[k], result[k], cures[k]) for k in along]
+    result, along = _choose_leads(scene, free, lead_um)
+    problems = [(k, _along_wall(paths[k], result[k])) for k in along]
     for number, thread in served.items():
         planned = paths[number]
         arrives = thread if planned.enter is None else (planned.enter.x, planned.enter.y)
-        result[number] = Threaded(_started(planned.path, arrives), thread, stated=stated[number])
+        result[number] = Threaded(_start_near(planned.path, arrives), thread, stated=stated[number])
     ordered = [result[k] for k in range(len(paths))]
-    return ordered, found + _collisions(scene, ordered, cures)
+    problems += _collisions(scene, ordered)
+    return ordered, [_with_cure(d, paths[k], words, k in served) for k, d in problems]
 
 
 class _Scene:
@@ -191,7 +199,7 @@ class _Scene:
 
     def met(self, lines: Segments) -> tuple[Ints, Ints, Floats]:
         """Return (line, segment of a path, distance along the line) of all crossings."""
-        i, j = pairs.overlapping(pairs.grown(seg.boxes(lines), 1e-3), self.boxes)
+        i, j = pairs.overlapping(pairs.grow(seg.boxes(lines), 1e-3), self.boxes)
         both = Segments(
             *(
                 np.concatenate([getattr(lines, name), getattr(self.segments, name)])
@@ -256,14 +264,14 @@ def _scrap_inside(planned: PlannedPath) -> bool:
 # --- the start of a path -------------------------------------------------------------------------
 
 
-def _started(path: Contour, at: tuple[float, float]) -> Contour:
+def _start_near(path: Contour, at: tuple[float, float]) -> Contour:
     """Return the path starting at its point nearest to ``at``; an open one at its nearer end."""
     v = path.vertices
     if not path.closed:
         ends = np.hypot(v["x"][[0, -1]] - at[0], v["y"][[0, -1]] - at[1])
         return path if ends[0] <= ends[1] else path.reversed()
     s = seg.of_rows(path.starts, path.ends)
-    return rotated(path, s, *_nearest(s, *at))
+    return start_at(path, s, *_nearest(s, *at))
 
 
 def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
@@ -287,7 +295,9 @@ def _nearest(s: Segments, x: float, y: float) -> tuple[int, float]:
     return best, float(at[best])
 
 
-def rotated(path: Contour, s: Segments, row: int, at: float, snap_um: float = VERTEX_UM) -> Contour:
+def start_at(
+    path: Contour, s: Segments, row: int, at: float, snap_um: float = SNAP_TO_VERTEX_UM
+) -> Contour:
     """Return a closed path that starts on segment ``row`` at ``at`` um, split there if need be.
 
     Within ``snap_um`` of a vertex it starts there.
@@ -324,10 +334,10 @@ class _Ray:
     ny: float
 
 
-def _chosen(
+def _choose_leads(
     scene: _Scene, numbers: Sequence[int], lead_um: float
 ) -> tuple[dict[int, Threaded], list[int]]:
-    """Return leads that nobody stated (ruling 3), and of which paths they lie along a wall."""
+    """Return leads whose thread points we choose (ruling 3), and those that lie along a wall."""
     result: dict[int, Threaded] = {}
     rays: list[_Ray] = []
     centred: dict[int, Threaded] = {}
@@ -338,9 +348,9 @@ def _chosen(
             path = (
                 path
                 if planned.enter is None
-                else _started(path, (planned.enter.x, planned.enter.y))
+                else _start_near(path, (planned.enter.x, planned.enter.y))
             )
-            result[number] = _before_open(path, _length(planned, lead_um))
+            result[number] = _lead_before(path, _length(planned, lead_um))
             continue
         s = scene.of(number)
         inward = measure.area(path.vertices) > 0
@@ -350,7 +360,7 @@ def _chosen(
             row, at = 0, float(np.mod(-s.a0[0] * s.turn[0], seg.TAU) * s.radius[0])
             if planned.scrap_left is not None and planned.scrap_left == inward:
                 cx, cy = to_grid([s.cx[0], s.cy[0]]).tolist()
-                centred[number] = Threaded(rotated(path, s, 0, at), (cx, cy))
+                centred[number] = Threaded(start_at(path, s, 0, at), (cx, cy))
         else:
             middle_x, middle_y = seg.points_at(s, 0.5 * s.length)
             tied = np.flatnonzero(s.length >= s.length.max() - TIE_UM)
@@ -359,13 +369,15 @@ def _chosen(
             row = int(tied[order[0]])
             at = 0.5 * float(s.length[row])
         left = planned.scrap_left if planned.scrap_left is not None else not inward
-        rays.append(_ray(number, rotated(path, s, row, at), left))
+        rays.append(_ray(number, start_at(path, s, row, at), left))
     if centred:
-        blocked = _blocked(scene, centred)
+        blocked = _blocked_paths(scene, centred)
         result |= {k: threaded for k, threaded in centred.items() if k not in blocked}
     rays = [ray for ray in rays if ray.number not in result]
     own = np.array([_length(scene.paths[ray.number], lead_um) for ray in rays])
-    lengths, clear = _cleared(scene, rays, np.minimum(own, 0.5 * _free(scene, rays, 2.0 * own)))
+    lengths, clear = _keep_clear(
+        scene, rays, np.minimum(own, 0.5 * _free_lengths(scene, rays, 2.0 * own))
+    )
     for ray, length in zip(rays, lengths.tolist(), strict=True):
         x, y = to_grid([ray.x + ray.nx * length, ray.y + ray.ny * length]).tolist()
         result[ray.number] = Threaded(ray.path, (x, y), True)
@@ -377,7 +389,7 @@ def _ray(number: int, path: Contour, left: bool) -> _Ray:
     s = seg.of_rows(path.starts, path.ends)
     ix, iy = (float(c[-1]) for c in seg.end_tangents(s))
     ox, oy = (float(c[0]) for c in seg.start_tangents(s))
-    if min(s.length[0], s.length[-1]) < NOISE_UM:
+    if min(s.length[0], s.length[-1]) < AIMLESS_UM:
         (ix, iy), (ox, oy) = _headings(s)
     # From the first segment's normal by half the turn of the corner; exact where there is none.
     back = -0.5 * float(np.arctan2(ix * oy - iy * ox, ix * ox + iy * oy))
@@ -405,7 +417,7 @@ def _headings(s: Segments) -> tuple[tuple[float, float], tuple[float, float]]:
     return (-back[0], -back[1]), out
 
 
-def _cleared(
+def _keep_clear(
     scene: _Scene, rays: Sequence[_Ray], lengths: Floats
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Return lengths at which thread points keep clear of all paths, and where there is one."""
@@ -425,32 +437,40 @@ def _cleared(
     return lengths, ~near
 
 
-def _along_wall(planned: PlannedPath, threaded: Threaded, cure: str) -> Diagnostic:
-    x, y = (float(threaded.path.vertices[k][0]) / 1000 for k in ("x", "y"))
+def _along_wall(planned: PlannedPath, threaded: Threaded) -> Diagnostic:
+    end = Place.of_um(*(threaded.path.vertices[k][0] for k in ("x", "y")))
     return error(
         "lead-along-wall",
-        f"a lead that ends at ({x:.3f}, {y:.3f}) mm can only lie along a wall, which it would "
-        "damage: the corner is too acute to be entered from inside",
+        "a lead that ends at {end} can only lie along a wall, which it would damage: the corner is "
+        "too acute to be entered from inside",
         threaded.path.source_of(0) if planned.enter is None else planned.enter.span,
-        points_mm=((x, y),),
-        hint=cure,
+        points_mm=(end,),
+        end=end,
     )
 
 
-def _cure(planned: PlannedPath, words: str, threaded: bool) -> str:
-    """Return what helps a lead: to move what was stated of it, or to state where it is threaded."""
+def _with_cure(finding: Diagnostic, planned: PlannedPath, words: str, threaded: bool) -> Diagnostic:
+    """Return a finding about a lead with what helps.
+
+    That is to move what was stated of it, or to state where it is threaded.
+    """
     if threaded and planned.enter is not None:
-        return "move the thread point, or 'enter'"
-    first = "move the thread point, or " if threaded else ""
-    first = first if planned.enter is None else "move 'enter', or "
-    return f"{first}give a thread point ({words})"
+        return finding.extended(hint="move the thread point, or 'enter'")
+    return finding.extended(
+        hint="move 'enter', or give a thread point ({way})"
+        if planned.enter is not None
+        else "move the thread point, or give a thread point ({way})"
+        if threaded
+        else "give a thread point ({way})",
+        way=words,
+    )
 
 
 def _length(planned: PlannedPath, usual: float) -> float:
     return usual if planned.lead_um is None else planned.lead_um
 
 
-def _blocked(scene: _Scene, leads: dict[int, Threaded]) -> set[int]:
+def _blocked_paths(scene: _Scene, leads: dict[int, Threaded]) -> set[int]:
     """Return the paths whose lead crosses another path."""
     numbers = list(leads)
     lines = _leads_as_lines([leads[k] for k in numbers])
@@ -465,7 +485,7 @@ def _leads_as_lines(leads: Sequence[Threaded]) -> Segments:
     return _lines(thread[:, 0], thread[:, 1], x1, y1)
 
 
-def _before_open(path: Contour, lead_um: float) -> Threaded:
+def _lead_before(path: Contour, lead_um: float) -> Threaded:
     """Return an open path with a lead along its own direction, from before its first end."""
     v = path.vertices
     one = seg.of_rows(path.starts[:1], path.ends[:1])
@@ -478,7 +498,7 @@ def _before_open(path: Contour, lead_um: float) -> Threaded:
 _RAY = ("x", "y", "nx", "ny")
 
 
-def _free(scene: _Scene, rays: Sequence[_Ray], reach: Floats) -> Floats:
+def _free_lengths(scene: _Scene, rays: Sequence[_Ray], reach: Floats) -> Floats:
     """Return how far each ray runs until it meets a path, at most its ``reach``.
 
     What meets at its own start is not met: the segments next to it, within `LEAVES_UM`.
@@ -501,15 +521,16 @@ def _lines(x0: Floats, y0: Floats, x1: Floats, y1: Floats) -> Segments:
     return seg.make(x0, y0, x1, y1, zero, zero, np.zeros(len(x0), np.int8))
 
 
-def collisions(
-    paths: Sequence[PlannedPath], threaded: Sequence[Threaded], cure: str
-) -> list[Diagnostic]:
-    """Return an error for each lead that meets a path before it arrives; paths are those led to."""
-    return _collisions(_Scene(paths), threaded, [cure] * len(threaded))
+def collisions(paths: Sequence[PlannedPath], threaded: Sequence[Threaded]) -> list[Diagnostic]:
+    """Return an error for each lead that meets a path before it arrives; paths are those led to.
+
+    Who asks adds the hint: what helps depends on who put the leads there.
+    """
+    return [finding for _, finding in _collisions(_Scene(paths), threaded)]
 
 
 def across(
-    threaded: Sequence[Threaded], outlines: Sequence[int], plates: Sequence[int], cure: str
+    threaded: Sequence[Threaded], outlines: Sequence[int], plates: Sequence[int], words: str
 ) -> list[Diagnostic]:
     """Return an error for each lead that meets the path of another cut, of whatever part.
 
@@ -519,26 +540,28 @@ def across(
     Args:
         threaded: paths with their leads.
         outlines: a number for each, shared by the cuts of one outline.
-        plates: for each, of which plate it is.
-        cure: what to do about a lead that meets another cut.
+        plates: the plate of each.
+        words: how a thread point is given, for hints.
     """
     paths = [PlannedPath(one.path, one.path, None, 0.0) for one in threaded]
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for plate in sorted(set(plates)):
         mine = [k for k, p in enumerate(plates) if p == plate]
         numbers = np.array([outlines[k] for k in mine])
         scene = _Scene([paths[k] for k in mine])
-        found += _collisions(scene, [threaded[k] for k in mine], [cure] * len(mine), numbers)
-    return found
+        findings += [
+            d.extended(hint="give a thread point ({way})", way=words)
+            for _, d in _collisions(scene, [threaded[k] for k in mine], numbers)
+        ]
+    return findings
 
 
 def _collisions(
     scene: _Scene,
     threaded: Sequence[Threaded],
-    cures: Sequence[str],
     outlines: Ints | None = None,
-) -> list[Diagnostic]:
-    """Return an error, with its cure, for each lead that meets a path before it arrives.
+) -> list[tuple[int, Diagnostic]]:
+    """Return an error for each lead that meets a path before it arrives, with the number of both.
 
     ``outlines``: a number for each, shared by the cuts of one outline, that others may have too.
     """
@@ -550,25 +573,28 @@ def _collisions(
     if outlines is not None:
         early &= (line == path) | (outlines[line] != outlines[path])
     order = np.lexsort((at[early], line[early]))
-    found: list[tuple[int, Diagnostic]] = []
+    findings: list[tuple[int, Diagnostic]] = []
     for k in np.flatnonzero(early)[order].tolist():
         number = int(line[k])
-        if found and found[-1][0] == number:
+        if findings and findings[-1][0] == number:
             continue  # the first hit of a lead says it
         share = float(at[k] / lines.length[number])
         x0, y0, x1, y1 = (float(getattr(lines, n)[number]) for n in ("x0", "y0", "x1", "y1"))
         hx, hy = x0 + (x1 - x0) * share, y0 + (y1 - y0) * share
-        what = "its own path before it arrives" if path[k] == number else "another cut"
+        met = Place.of_um(hx, hy)
         enter = scene.paths[number].enter
         own = threaded[number].stated
         stated = (own and own.span) or (None if enter is None else enter.span)
         finding = error(
             "lead-hits",
-            f"the lead from ({x0 / 1000:.3f}, {y0 / 1000:.3f}) to ({x1 / 1000:.3f}, "
-            f"{y1 / 1000:.3f}) mm meets {what} at ({hx / 1000:.3f}, {hy / 1000:.3f}) mm",
+            "the lead from {thread:xy} to {end} meets its own path before it arrives at {place}"
+            if path[k] == number
+            else "the lead from {thread:xy} to {end} meets another cut at {place}",
             stated or threaded[number].path.source_of(0),
-            points_mm=((hx / 1000, hy / 1000),),
-            hint=cures[number],
+            points_mm=(met,),
+            thread=Place.of_um(x0, y0),
+            end=Place.of_um(x1, y1),
+            place=met,
         )
-        found.append((number, finding))
-    return [finding for _, finding in found]
+        findings.append((number, finding))
+    return findings

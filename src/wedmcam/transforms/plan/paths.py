@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wedmcam.arithmetic import Arithmetic
-from wedmcam.diag import Diagnostic, error, has_errors, note, warning
+from wedmcam.diag import Diagnostic, Place, error, has_errors, note, warning
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.compensate import Interference, compensate
@@ -22,7 +22,7 @@ from wedmcam.transforms.plan.shaped import ShapedCut
 from wedmcam.transforms.plan.wording import Wording
 
 #: Places of interference that are listed; a summary stands for the rest.
-LISTED = 10
+LISTED_PLACES = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +36,7 @@ class PlannedPath:
         offset_um: how far the path is from the outline towards scrap.
         contour: number of the outline; several paths may share one.
         parent: number of the outline directly around it, -1 for none.
-        lead_um: length of a lead that nobody stated; None for the usual one.
+        lead_um: length of the lead, where its thread point is chosen; None for the usual one.
         enter: where the lead arrives: at the point of the path nearest to this, um, and where
             that was stated; None for the point nearest to the thread point.
     """
@@ -107,9 +107,13 @@ def _run(planned: PlannedPath, piece: Piece) -> PlannedPath:
 def _inner_corners(count: int, wire_um: float, words: Wording) -> Diagnostic:
     return note(
         "inner-corners",
-        f"{count} sharp inner corner{' keeps' if count == 1 else 's keep'} the radius of the wire, "
-        f"{wire_um / 1000:.3f} mm",
-        hint=f"{words.corner} rounds the part's own corners, so that punch and die fit",
+        "1 sharp inner corner keeps the radius of the wire, {radius_mm:.3f} mm"
+        if count == 1
+        else "{corners} sharp inner corners keep the radius of the wire, {radius_mm:.3f} mm",
+        hint="{option} rounds the part's own corners, so that punch and die fit",
+        corners=count,
+        radius_mm=wire_um / 1000,
+        option=words.corner,
     )
 
 
@@ -124,53 +128,85 @@ def interference(
         return []
     from wedmcam.transforms.compensate.largest import largest_offset
 
-    make = warning if trim else error
     offset = max(map(abs, shifts)) / 1000
-    hints: dict[int, str] = {}
+    cures: dict[int, _Cure] = {}
     alone: set[int] = set()  # those that would fit without their neighbours
     found = []
-    for item in places[:LISTED]:
+    for item in places[:LISTED_PLACES]:
         contour = contours[item.outline]
-        if item.outline not in hints:
+        if item.outline not in cures:
             sign = float(np.sign(shifts[item.outline]))
             most = largest_offset([contour], [sign], 1000.0 * offset).nearest_um
             fits = not compensate([contour], [sign * most])[0].interference
             if fits and most >= 1000.0 * offset:
                 alone.add(item.outline)
-            hints[item.outline] = (
-                f"{'at most' if fits else 'less than'} {most / 1000:.3f} mm fits this contour"
-            )
-            if not trim and item.kind != "vanished":  # trimmed, nothing is left of that one
-                hints[item.outline] += "; --on-interference trim cuts what the wire can reach"
-        kind, (x, y) = item.kind, item.at
-        if kind == "vanished" and item.outline in alone:
-            # Of circles in each other the paths change places and cross nowhere.
-            kind, (x, y) = "neighbour", (float(v) for v in contour.vertices[0][["x", "y"]])
-        x, y = x / 1000, y / 1000
-        place = f"({x:.3f}, {y:.3f}) mm"
-        lost = f", {len(item.rows)} segments are not reached" if len(item.rows) > 1 else ""
-        if kind == "radius":
-            text = (
-                f"the inside radius {item.size / 1000:.3f} mm at {place} is smaller than the "
-                f"offset {offset:.3f} mm{lost}"
-            )
-        elif kind == "neighbour":
-            text = f"the wire beside this contour meets another contour at {place}"
-        elif kind == "vanished":
-            text = f"the contour at {place} is too small for the offset {offset:.3f} mm"
-            text += ": it is not cut" if trim else ""
-        else:
-            text = f"a passage at {place} is too narrow for a wire at offset {offset:.3f} mm{lost}"
+            # Trimmed, nothing is left of a contour that vanishes.
+            trims = not trim and item.kind != "vanished"
+            cures[item.outline] = _Cure(most / 1000, fits, trims)
         found.append(
-            make(
-                "interference",
-                text,
-                contour.source_of(item.row),
-                points_mm=((x, y),),
-                hint=hints[item.outline] if kind != "neighbour" else None,
-            )
+            _interference(item, contour, offset, trim, cures[item.outline], item.outline in alone)
         )
-    if len(places) > LISTED:
-        more = len(places) - LISTED
-        found.append(make("interference", f"{more} further places like these", count=more))
+    if len(places) > LISTED_PLACES:
+        make = warning if trim else error
+        more = len(places) - LISTED_PLACES
+        found.append(make("interference", "{count} further places like these", count=more))
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Cure:
+    """What helps a contour in which the wire does not fit.
+
+    ``most_mm``: the offset up to which it does, ``fits`` with it too; ``trims``: to trim it helps.
+    """
+
+    most_mm: float
+    fits: bool
+    trims: bool
+
+
+def _interference(
+    item: Interference, contour: Contour, offset_mm: float, trim: bool, cure: _Cure, alone: bool
+) -> Diagnostic:
+    """Return the finding about a place where the wire does not fit.
+
+    ``alone``: the contour would fit without its neighbours.
+    """
+    kind, place = item.kind, Place.of_um(*item.at)
+    if kind == "vanished" and alone:
+        # Of circles in each other the paths change places and cross nowhere.
+        kind, place = "neighbour", Place.of_um(*contour.vertices[0][["x", "y"]])
+    make = warning if trim else error
+    if kind == "neighbour":
+        return make(
+            "interference",
+            "the wire beside this contour meets another contour at {place}",
+            contour.source_of(item.row),
+            points_mm=(place,),
+            place=place,
+        )
+    finding = make(
+        "interference",
+        "the inside radius {radius_mm:.3f} mm at {place} is smaller than the offset "
+        "{offset_mm:.3f} mm"
+        if kind == "radius"
+        else "the contour at {place} is too small for the offset {offset_mm:.3f} mm"
+        if kind == "vanished"
+        else "a passage at {place} is too narrow for a wire at offset {offset_mm:.3f} mm",
+        contour.source_of(item.row),
+        points_mm=(place,),
+        hint="at most {most_mm:.3f} mm fits this contour"
+        if cure.fits
+        else "less than {most_mm:.3f} mm fits this contour",
+        radius_mm=item.size / 1000 if kind == "radius" else None,
+        place=place,
+        offset_mm=offset_mm,
+        most_mm=cure.most_mm,
+    )
+    if kind == "vanished" and trim:
+        finding = finding.extended(": it is not cut")
+    if kind != "vanished" and len(item.rows) > 1:
+        finding = finding.extended(", {segments} segments are not reached", segments=len(item.rows))
+    if cure.trims:
+        finding = finding.extended(hint="; --on-interference trim cuts what the wire can reach")
+    return finding

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wedmcam.arithmetic import Arithmetic
-from wedmcam.diag import Diagnostic, TextSpan, error, has_errors
+from wedmcam.diag import Diagnostic, Place, TextSpan, error, has_errors
 from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms import figures
@@ -70,9 +70,10 @@ def pieces_of(
         found.append(
             error(
                 "no-cut-offset",
-                f"'{side}' needs an offset: how far the wire's centre runs from the outline",
+                "'{side}' needs an offset: how far the wire's centre runs from the outline",
                 item.span,
                 hint="offset 0.1, or --offset for all cuts that say none",
+                side=side,
             )
         )
         return [], found
@@ -86,9 +87,11 @@ def pieces_of(
         found.append(
             error(
                 "wed-value",
-                f"corner {corner / 1000:.3f} mm is below the offset {offset / 1000:.3f} mm: the "
-                "wire could not follow it",
+                "corner {corner_mm:.3f} mm is below the offset {offset_mm:.3f} mm: the wire could "
+                "not follow it",
                 item.span,
+                corner_mm=corner / 1000,
+                offset_mm=offset / 1000,
             )
         )
         return [], found
@@ -143,23 +146,30 @@ def _for_closed_only(cut: ShapedCut, figure: list[Contour]) -> list[Diagnostic]:
             error("wed-value", "an overcut is for closed contours; this one is open", item.span)
         )
     if cut.enter is not None and len(figure) > 1:
-        text = f"'enter' is for one contour; this figure has {len(figure)}"
         found.append(
-            error("wed-value", text, cut.enter.span, hint="cut each with an enter of its own")
+            error(
+                "wed-value",
+                "'enter' is for one contour; this figure has {contours}",
+                cut.enter.span,
+                hint="cut each with an enter of its own",
+                contours=len(figure),
+            )
         )
     return found
 
 
 def _open(c: Contour, side: str, span: TextSpan | None) -> Diagnostic:
-    x, y = (c.vertices[k] / 1000 for k in ("x", "y"))
-    gap = float(np.hypot(x[-1] - x[0], y[-1] - y[0]))
-    last = c.source_of(len(c) - 1) or span
+    start, end = (Place.of_um(c.vertices["x"][k], c.vertices["y"][k]) for k in (0, -1))
     return error(
         "open-contour",
-        f"to be cut {side} a contour must close: it ends at ({x[-1]:.3f}, {y[-1]:.3f}) mm, "
-        f"{gap:.3f} mm from its start ({x[0]:.3f}, {y[0]:.3f}) mm",
-        last,
+        "to be cut {side} a contour must close: it ends at {end}, {gap_mm:.3f} mm from its start "
+        "{start}",
+        c.source_of(len(c) - 1) or span,
         notes=(("it is cut here", span),),
-        points_mm=((float(x[0]), float(y[0])), (float(x[-1]), float(y[-1]))),
+        points_mm=(start, end),
         hint="'close' draws a line back; 'left', 'right' and 'on' cut along an open contour",
+        side=side,
+        end=end,
+        gap_mm=float(np.hypot(end.x_mm - start.x_mm, end.y_mm - start.y_mm)),
+        start=start,
     )

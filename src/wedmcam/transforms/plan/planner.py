@@ -64,12 +64,16 @@ def plan_cuts(
     if has_errors(found):
         return None, found
     if not cuts:
-        text, hint = words.nothing_left
         offset = max((o for scene in planned for o in scene.offsets), default=0.0)
-        return None, [
-            *found,
-            error("nothing-to-cut", text.format(offset=f"{offset / 1000:.3f}"), hint=hint),
-        ]
+        nothing = error(
+            "nothing-to-cut",
+            "no contour is left to cut"
+            if words.of_part
+            else "with an offset of {offset_mm:.3f} mm no contour is left to cut",
+            hint=None if words.of_part else "a smaller offset",
+            offset_mm=offset / 1000,
+        )
+        return None, [*found, nothing]
     found += of_path(used, cutting, leading, words)
     if not asked[0].of_drawing:  # a drawing states no order, its scenes are in theirs
         cuts.sort(key=lambda numbered: numbered[0])

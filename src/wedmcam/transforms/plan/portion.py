@@ -21,7 +21,7 @@ from wedmcam.ir.sketch import ThreadPoint
 #: How far a stepped block may start from the exact path, steps of the machine.
 NEAR_STEPS = 4.0
 #: Less than this is not worth a segment of its own, um.
-SHORTEST_UM = 1.0
+WORTH_A_SEGMENT_UM = 1.0
 
 
 def only_cuts(plan: Plan, first: int, last: int) -> Plan:
@@ -82,16 +82,16 @@ def _behind(path: Contour, at: tuple[int, int], along_um: float, near_um: float)
     places = np.array([_progress(s, int(k), at) + begin[k] for k in near.tolist()])
     best = int(np.argmin(np.abs(places - along_um)))
     k, place = int(near[best]), float(places[best])
-    if place < SHORTEST_UM:
+    if place < WORTH_A_SEGMENT_UM:
         return path
     rows = path.vertices[k:].copy()
     if path.closed:
         last = np.zeros(1, VERTEX)
         last["x"], last["y"], last["source"] = path.vertices["x"][0], path.vertices["y"][0], -1
         rows = np.concatenate([rows, last])
-    if begin[k] + s.length[k] - place < SHORTEST_UM:
+    if begin[k] + s.length[k] - place < WORTH_A_SEGMENT_UM:
         rows = rows[1:]
-    elif place - begin[k] > SHORTEST_UM:
+    elif place - begin[k] > WORTH_A_SEGMENT_UM:
         x, y = seg.points_at(s.take(np.array([k])), np.array([place - begin[k]]))
         rows["x"][0], rows["y"][0] = x[0], y[0]
     return Contour(rows, False, path.sources) if len(rows) > 1 else None

@@ -13,13 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error, has_errors
+from wedmcam.diag import Diagnostic, Place, error, has_errors
 from wedmcam.geom import measure
 from wedmcam.geom.segments import distances
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Scene, Side
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.transforms.doubles import place
 from wedmcam.transforms.meetings import contour_meetings
 from wedmcam.transforms.nest import Nesting, nest
 from wedmcam.transforms.plan.pieces import Piece
@@ -74,7 +73,7 @@ def scenes_of(
 ) -> tuple[list[PieceScene], list[Diagnostic]]:
     """Return the contours in groups that can be one part, and the rest each alone.
 
-    A cut of which the nesting is known is one part as it is.
+    A cut whose nesting is known is one part as it is.
     """
     if not pieces:
         return [], []
@@ -88,15 +87,15 @@ def scenes_of(
         for p, depth in zip(free, depths, strict=True)
     ]
     scenes: list[PieceScene] = []
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     for plate in sorted({cut.plate for cut in cuts}):
         sided = [p for p in pieces if p.outside is not None and cuts[p.cut].plate == plate]
         some, problems = _of_plate(cuts, sided)
         scenes += [replace(scene, plate=plate) for scene in some]
-        found += problems
+        findings += problems
     if any(cut.of_drawing for cut in cuts):
-        return _of_drawing([*scenes, *alone], cuts[0].starts), found
-    return [*scenes, *alone], found
+        return _of_drawing([*scenes, *alone], cuts[0].starts), findings
+    return [*scenes, *alone], findings
 
 
 def _of_plate(
@@ -105,20 +104,20 @@ def _of_plate(
     """Return contours of one piece of material in groups that can be one part."""
     if not sided:
         return [], []
-    found: list[Diagnostic] = list(contour_meetings(_once(sided)))
-    if has_errors(found):
-        return [], found
+    findings: list[Diagnostic] = list(contour_meetings(_once(sided)))
+    if has_errors(findings):
+        return [], findings
     nesting = _one_part(sided)
     if nesting is not None:
         groups = [(list(sided), nesting)]
     else:
-        groups, found = _groups(sided)
+        groups, findings = _groups(sided)
     scenes = []
     for group, nested in groups:
         some, problems = _one_scene(group, nested, cuts[group[0].cut].item.side)
         scenes += some
-        found += problems
-    return scenes, found
+        findings += problems
+    return scenes, findings
 
 
 def _of_drawing(scenes: Sequence[PieceScene], starts: Sequence[ThreadPoint]) -> list[PieceScene]:
@@ -162,13 +161,13 @@ def _groups(
     sided: Sequence[Piece],
 ) -> tuple[list[tuple[list[Piece], Nesting]], list[Diagnostic]]:
     """Return cuts in groups: each joins the first one with which it can be one part."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     groups: list[tuple[list[Piece], Nesting]] = []
     for number in dict.fromkeys(p.cut for p in sided):
         own = [p for p in sided if p.cut == number]
         crossing = list(contour_meetings([p.contour for p in own]))
         if has_errors(crossing):
-            found += crossing
+            findings += crossing
             continue
         for k, (group, _) in enumerate(groups):
             nesting = _one_part([*group, *own])
@@ -177,7 +176,7 @@ def _groups(
                 break
         else:
             groups.append((own, nest([p.contour for p in own])))
-    return groups, found
+    return groups, findings
 
 
 def _once(pieces: Sequence[Piece]) -> list[Contour]:
@@ -214,15 +213,18 @@ def _one_scene(
         return [PieceScene(tuple(pieces), nesting, keeps)], []
     inside = _inside_kept(pieces, nesting)
     one, other = pieces[0].contour, pieces[inside.index(not inside[0])].contour
-    at, there = ((float(c.vertices["x"][0]), float(c.vertices["y"][0])) for c in (one, other))
+    first, second = (Place.of_um(c.vertices["x"][0], c.vertices["y"][0]) for c in (one, other))
     return [], [
         error(
             "closed-left-right",
-            f"the closed contour at {place(*there)} mm keeps what the one at {place(*at)} mm of "
-            f"the same cut takes away: both are cut {word}",
+            "the closed contour at {second} keeps what the one at {first} of the same cut takes "
+            "away: both are cut {side}",
             other.source_of(0),
-            points_mm=((there[0] / 1000, there[1] / 1000),),
+            points_mm=(second,),
             hint="'inside' and 'outside' keep one of the two, whatever way the contours run",
+            first=first,
+            second=second,
+            side=word,
         )
     ]
 

@@ -20,9 +20,7 @@ class Wording:
     Attributes:
         corner: what rounds corners.
         thread_point: how a thread point is given.
-        nothing_left: no contour is left to cut: text, with {offset} in mm, and hint.
-        too_long: {name} (stop, overcut) of {length} mm is longer than the path of {whole} mm that
-            starts at {place} mm: text and hint.
+        of_part: the source is a part program.
         idle: code of what was stated and has no effect.
         idle_reasons: field of the options -> why it had no effect, where none was taken up; fields
             that are not named have one always.
@@ -31,8 +29,7 @@ class Wording:
 
     corner: str
     thread_point: str
-    nothing_left: tuple[str, str | None]
-    too_long: tuple[str, str]
+    of_part: bool
     idle: str
     idle_reasons: Mapping[str, str]
     stated: frozenset[str]
@@ -41,11 +38,7 @@ class Wording:
 OF_DRAWING = Wording(
     corner="--corner",
     thread_point="--start X,Y; a POINT on layer START",
-    nothing_left=("with an offset of {offset} mm no contour is left to cut", "a smaller offset"),
-    too_long=(
-        "--{name} {length} mm is longer than the path of {whole} mm that starts at {place} mm",
-        "a shorter --{name}",
-    ),
+    of_part=False,
     idle="idle-option",
     idle_reasons={
         "sharp": _ON_LINE,
@@ -60,11 +53,7 @@ OF_DRAWING = Wording(
 OF_PART = Wording(
     corner="'corner'",
     thread_point="'start' of the cut",
-    nothing_left=("no contour is left to cut", None),
-    too_long=(
-        "'{name}' of {length} mm is longer than the path of {whole} mm",
-        "a shorter {name}",
-    ),
+    of_part=True,
     idle="wed-option",
     idle_reasons={
         "offset_um": "each cut names its offset, or runs on its line",

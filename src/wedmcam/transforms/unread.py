@@ -16,10 +16,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, EntityRef, error
+from wedmcam.diag import Diagnostic, EntityRef, Place, error
 from wedmcam.geom import crossings, measure
 from wedmcam.geom import segments as seg
-from wedmcam.geom.pairs import grown, overlapping, self_overlapping
+from wedmcam.geom.pairs import grow, overlapping, self_overlapping
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import Sketch
@@ -29,9 +29,9 @@ Bools = NDArray[np.bool_]
 #: Boundaries are compared at places at most this far apart, um, but no more than so many a segment.
 SPACING_UM, LEAST_PLACES, MOST_PLACES = 1000.0, 5, 256
 #: Float noise of coordinates of a part, um.
-NEAR_UM = 0.01
+FLOAT_UM = 0.01
 #: How many places of a contour or a boundary are asked on which side of another they lie.
-PROBES = 64
+MOST_PROBES = 64
 #: Directions in which a hull is looked for.
 DIRECTIONS = 180
 #: How many points and segments are compared at once: some 40 MB.
@@ -41,10 +41,10 @@ SOME_PAIRS = 200_000
 #: After so many of one type refused for one reason the rest is not looked at.
 MOST_SAID = 100
 #: How many handles a finding names.
-NAMED = 5
+NAMED_HANDLES = 5
 
 
-def held(
+def unread_outlines(
     sketch: Sketch, contours: Sequence[Contour], join_um: float, offset_um: float
 ) -> tuple[Diagnostic, ...]:
     """Return an error for each kind of unread boundary that could be an outline.
@@ -58,7 +58,7 @@ def held(
     unread = sketch.unread
     if not len(unread.segments):
         return ()
-    within = join_um + unread.within_um + sketch.info.extra.get("spline_um", 0.0) + NEAR_UM
+    within = join_um + unread.within_um + sketch.info.extra.get("spline_um", 0.0) + FLOAT_UM
     bounds = _segments_of(unread.segments)
     source = unread.segments["source"].astype(np.int64)
     places = _places(bounds)
@@ -70,73 +70,102 @@ def held(
         return ()
     group = np.full(len(source), -1)
     group[loose] = _groups(bounds.take(loose), source[loose], within)
-    asked = _Contours(contours, within)
-    found: dict[tuple[str, str], list[_Held]] = {}
+    read = _Contours(contours, within)
+    found: dict[tuple[str, str], list[_Outline]] = {}
     for mine, there in zip(_each(group), _each(group[places.row]), strict=True):
-        if any(len(some) >= MOST_SAID for some in found.values()):
+        if any(len(outlines) >= MOST_SAID for outlines in found.values()):
             break
         one = _Group(bounds.take(mine), source[mine], places.x[there], places.y[there])
-        why = asked.why(one, 2.0 * offset_um)
+        why = read.why(one, 2.0 * offset_um)
         if why is not None:
-            kind, text = why
+            kind, contour = why
             far = ~drawn[there]
             k = int(there[np.argmax(far)])
-            at = (float(places.x[k]) / 1000, float(places.y[k]) / 1000)
+            at = Place.of_um(places.x[k], places.y[k])
             named = unread.sources[int(of[k])]
             more = len(set(source[mine].tolist())) - 1
             found.setdefault((named.dxftype, kind), []).append(
-                _Held(named, one.box, more, text, at, not far.all())
+                _Outline(named, one.box, more, kind, contour, at, not far.all())
             )
-    return tuple(_said(some) for some in found.values())
+    return tuple(_finding(outlines) for outlines in found.values())
 
 
 @dataclass(frozen=True, slots=True)
-class _Held:
-    """An unread boundary that could be an outline, and why; ``at``: where nothing draws it, mm."""
+class _Outline:
+    """An unread boundary that could be an outline, and why.
+
+    ``kind`` and ``contour``: see `_Contours.why`; ``at``: where nothing draws it.
+    """
 
     ref: EntityRef
     box: tuple[float, float, float, float]
     more: int
-    why: str
-    at: tuple[float, float]
+    kind: str
+    contour: Place | None
+    at: Place
     partly: bool
 
 
-def _said(some: list[_Held]) -> Diagnostic:
+def _finding(outlines: list[_Outline]) -> Diagnostic:
     """Return one finding about boundaries of one type that are refused for one reason."""
-    first = some[0]
+    first = outlines[0]
     ref, (x0, y0, x1, y1) = first.ref, first.box
-    touching = f" (with {first.more} more that touch it)" if first.more else ""
-    drawn = "is drawn by nothing that is read"
+    finding = error(
+        "unsupported-entity",
+        "{type} {handle} on layer {layer} (with {touching} more that touch it)"
+        if first.more
+        else "{type} {handle} on layer {layer}",
+        ref,
+        hint="draw it as lines or a polyline; if it bounds nothing, leave it out with "
+        "--ignore-type {quoted_type}, or its layer with --ignore-layer",
+        points_mm=tuple(h.at for h in outlines[:100]),
+        count=len(outlines),
+        type=ref.dxftype,
+        quoted_type=_quote(ref.dxftype),
+        handle=_handle(ref),
+        layer=ref.layer,
+        touching=first.more,
+        width_mm=(x1 - x0) / 1000,
+        height_mm=(y1 - y0) / 1000,
+        place=Place.of_um(x0, y0),
+        contour=first.contour,
+    )
+    finding = finding.extended(", {width_mm:.3f} x {height_mm:.3f} mm at {place}: its boundary ")
     if first.partly:
-        drawn = f"is not drawn by what is read at {_place(*first.at)}"
-    text = (
-        f"{ref.dxftype} {_handle(ref)} on layer {ref.layer}{touching}, {(x1 - x0) / 1000:.3f} x "
-        f"{(y1 - y0) / 1000:.3f} mm at {_place(x0 / 1000, y0 / 1000)}: its boundary {drawn}, "
-        f"and {first.why}"
+        finding = finding.extended("is not drawn by what is read at {bare}", bare=first.at)
+    else:
+        finding = finding.extended("is drawn by nothing that is read")
+    if first.kind == "alone":
+        finding = finding.extended(", and no contour is closed")
+    else:
+        finding = finding.extended(
+            ", and it lies around the contour at {contour}"
+            if first.kind == "around"
+            else ", and it lies across the contour at {contour}"
+            if first.kind == "across"
+            else ", and it lies in the contour at {contour}"
+        )
+    more = len(outlines) - 1
+    if not more:
+        return finding
+    named = [_handle(h.ref) for h in outlines[1 : NAMED_HANDLES + 1]]
+    finding = finding.extended(
+        "; likewise at least {likewise} more ({named}"
+        if len(outlines) >= MOST_SAID
+        else "; likewise {likewise} more ({named}",
+        likewise=more,
+        named=named,
     )
-    if len(some) > 1:
-        named = ", ".join(_handle(h.ref) for h in some[1 : NAMED + 1])
-        left = f" and {len(some) - 1 - NAMED} more" if len(some) - 1 > NAMED else ""
-        least = "at least " if len(some) >= MOST_SAID else ""
-        text += f"; likewise {least}{len(some) - 1} more ({named}{left})"
-    hint = (
-        "draw it as lines or a polyline; if it bounds nothing, leave it out with "
-        f"--ignore-type {_quoted(ref.dxftype)}, or its layer with --ignore-layer"
-    )
-    points = tuple(h.at for h in some[:100])
-    return error("unsupported-entity", text, ref, hint=hint, points_mm=points, count=len(some))
+    if more > NAMED_HANDLES:
+        return finding.extended(" and {unnamed} more)", unnamed=more - NAMED_HANDLES)
+    return finding.extended(")")
 
 
 def _handle(ref: EntityRef) -> str:
     return "#" + "/".join((*ref.via, ref.handle))
 
 
-def _place(x_mm: float, y_mm: float) -> str:
-    return f"({x_mm + 0.0:.3f}, {y_mm + 0.0:.3f})"
-
-
-def _quoted(name: str) -> str:
+def _quote(name: str) -> str:
     return f"'{name}'" if set(name) & set(" ()*?$&;") else name
 
 
@@ -176,10 +205,10 @@ def _near(x: Floats, y: Floats, s: Segments, within: float) -> Bools:
         i, j = np.divmod(np.arange(len(x) * len(s)), len(s))
         far = seg.distances(s.take(j), x[i], y[i])
         return np.asarray((far <= within).reshape(len(x), len(s)).any(axis=1))
-    boxes = grown(seg.boxes(s), within)
+    boxes = grow(seg.boxes(s), within)
     # As many points at once as their pairs allow, by the mean of some of them.
-    some = np.linspace(0, len(x) - 1, min(len(x), 1 + SOME_PAIRS // len(s))).astype(np.int64)
-    sx, sy = x[some, None], y[some, None]
+    sample = np.linspace(0, len(x) - 1, min(len(x), 1 + SOME_PAIRS // len(s))).astype(np.int64)
+    sx, sy = x[sample, None], y[sample, None]
     met = (boxes[0] <= sx) & (sx <= boxes[2]) & (boxes[1] <= sy) & (sy <= boxes[3])
     step = 1 + int(AT_ONCE / (1.0 + met.sum(axis=1).mean()))
     for k in range(0, len(x), step):
@@ -195,7 +224,7 @@ def _near(x: Floats, y: Floats, s: Segments, within: float) -> Bools:
 
 def _groups(s: Segments, source: Ints, within: float) -> Ints:
     """Return for each segment the least source that its own is connected with."""
-    i, j = self_overlapping(grown(seg.boxes(s), 0.5 * within))
+    i, j = self_overlapping(grow(seg.boxes(s), 0.5 * within))
     other = source[i] != source[j]
     i, j = i[other], j[other]
     meet = np.zeros(len(i), np.bool_)
@@ -258,10 +287,10 @@ class _Group:
 def _is_loop(s: Segments) -> bool:
     """Return whether segments make one closed loop: every end meets another, and all connect."""
     x, y = np.concatenate([s.x0, s.x1]), np.concatenate([s.y0, s.y1])
-    if len(x) <= PROBES:
-        i, j = np.nonzero(np.triu(np.hypot(x - x[:, None], y - y[:, None]) <= NEAR_UM, 1))
+    if len(x) <= MOST_PROBES:
+        i, j = np.nonzero(np.triu(np.hypot(x - x[:, None], y - y[:, None]) <= FLOAT_UM, 1))
     else:
-        i, j = self_overlapping(grown((x, y, x, y), NEAR_UM))
+        i, j = self_overlapping(grow((x, y, x, y), FLOAT_UM))
     if len(set(i.tolist()) | set(j.tolist())) < len(x):
         return False
     return not _connected(len(s), i % len(s), j % len(s)).any()
@@ -326,33 +355,34 @@ class _Contours:
         self._none_closed = not any(c.closed for c in contours)
         self._known: dict[int, tuple[_Side | None, Floats, Floats]] = {}
 
-    def why(self, one: _Group, wide: float) -> tuple[str, str] | None:
-        """Return why a boundary could be an outline: the kind of reason, and its words.
+    def why(self, one: _Group, wide: float) -> tuple[str, Place | None] | None:
+        """Return why a boundary could be an outline; None where it is none.
+
+        It lies "around", "across" or "in" the contour at a place, or "alone": none is closed.
 
         ``wide``: what is in a contour and no wider, um, is no hole that could be cut.
         """
-        reason: tuple[str, str] | None = None
+        reason: tuple[str, Place | None] | None = None
         x0, y0, x1, y1 = one.box
         b, near = self._boxes, self._within
         met = (b[:, 0] <= x1) & (b[:, 2] >= x0) & (b[:, 1] <= y1) & (b[:, 3] >= y0)
         around = met & (b[:, 0] >= x0 - near) & (b[:, 2] <= x1 + near)
         around &= (b[:, 1] >= y0 - near) & (b[:, 3] <= y1 + near)
-        if not one.is_wider(wide + NEAR_UM):
+        if not one.is_wider(wide + FLOAT_UM):
             met = around
         for k in np.flatnonzero(met).tolist():
             side, x, y = self._contour(k)
             lies_in, lies_out = one.side(x, y, near)
             if lies_in and not lies_out:
-                return "around", f"it lies around the contour at {self._corner(k)}"
-            if side is None or reason is not None or not one.is_wider(wide + NEAR_UM):
+                return "around", self._corner(k)
+            if side is None or reason is not None or not one.is_wider(wide + FLOAT_UM):
                 continue
             if not lies_in:
-                lies_in, lies_out = side(*_thinned(one.x, one.y), near)
+                lies_in, lies_out = side(*_thin(one.x, one.y), near)
             if lies_in:
-                word = "across" if lies_out else "in"
-                reason = word, f"it lies {word} the contour at {self._corner(k)}"
+                reason = "across" if lies_out else "in", self._corner(k)
         if reason is None and self._none_closed:
-            reason = "alone", "no contour is closed"
+            reason = "alone", None
         return reason
 
     def _contour(self, k: int) -> tuple[_Side | None, Floats, Floats]:
@@ -362,13 +392,13 @@ class _Contours:
             s = measure.segments_of(contour.vertices, contour.closed)
             mx, my = measure.middles(s)
             x, y = np.concatenate([s.x0, mx, s.x1[-1:]]), np.concatenate([s.y0, my, s.y1[-1:]])
-            self._known[k] = (_Side(s) if contour.closed else None, *_thinned(x, y))
+            self._known[k] = (_Side(s) if contour.closed else None, *_thin(x, y))
         return self._known[k]
 
-    def _corner(self, k: int) -> str:
-        return _place(self._boxes[k, 0] / 1000, self._boxes[k, 1] / 1000)
+    def _corner(self, k: int) -> Place:
+        return Place.of_um(self._boxes[k, 0], self._boxes[k, 1])
 
 
-def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    every = max(1, -(-len(x) // PROBES))
+def _thin(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    every = max(1, -(-len(x) // MOST_PROBES))
     return x[::every], y[::every]

@@ -19,7 +19,7 @@ from wedmcam.controllers.stepping import Blocks
 from wedmcam.diag import Diagnostic, warning
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.match import EARLY, RECOMPUTED
-from wedmcam.judge.runs import per_mm, runs, span_of
+from wedmcam.judge.runs import per_mm, place, runs, span_of
 from wedmcam.judge.segments import Ints
 from wedmcam.judge.totals import MEANT_CLOSED
 from wedmcam.judge.walk import Walk, walk
@@ -124,7 +124,7 @@ def not_closed(
     if (way.steps < 0).any():
         return []  # a block that never ends comes first, and is an error
     per = per_mm(program)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     more = 0
     for one in open_contours(way):
         changes = [] if quadrant is None or textbook else closing_changes(way, one, quadrant)
@@ -132,46 +132,48 @@ def not_closed(
             continue
         if textbook and np.hypot(*one.gap) <= RECOMPUTED:
             continue
-        if len(found) == LISTED:
+        if len(findings) == LISTED:
             more += 1
             continue
         row = int(one.rows[one.last - 1])
         dx, dy = one.gap
         x, y = way.start[int(one.rows[one.first])].tolist()
-        gap = float(np.hypot(dx, dy)) / per
-        begins = int(one.rows[one.first]) + 1
-        missing = f"{gap:.3f} mm from {{}} ({dx / per:+.3f}, {dy / per:+.3f})"
-        text = (
-            f"block {row + 1} should close the contour that begins with block {begins}, and ends "
-            + missing.format("its start")
-            if one.leads is None
-            else f"block {row + 1} should lead back to where the wire is threaded for block "
-            f"{begins}, and ends " + missing.format("there")
-        )
-        found.append(
+        searched = quadrant is not None and not textbook
+        findings.append(
             warning(
                 "not-closed",
-                text,
+                "block {block} should close the contour that begins with block {first}, and ends "
+                "{gap_mm:.3f} mm from its start ({dx_mm:+.3f}, {dy_mm:+.3f})"
+                if one.leads is None
+                else "block {block} should lead back to where the wire is threaded for block "
+                "{first}, and ends {gap_mm:.3f} mm from there ({dx_mm:+.3f}, {dy_mm:+.3f})",
                 span_of(program, row),
-                hint=_advice(changes, quadrant is not None and not textbook),
-                points_mm=((x / per, y / per),),
+                hint=None
+                if not searched
+                else "no other single value of X, Y, J or G would close it"
+                if not changes
+                else "{changes} closes it"
+                if len(changes) == 1
+                else "{changes} would close it",
+                points_mm=(place(x, y, per),),
+                block=row + 1,
+                first=int(one.rows[one.first]) + 1,
+                gap_mm=float(np.hypot(dx, dy)) / per,
+                dx_mm=dx / per,
+                dy_mm=dy / per,
+                changes=_in_words(changes),
             )
         )
     if more:
-        found.append(warning("not-closed", f"and {more} more contours do not close", count=more))
-    return found
+        findings.append(warning("not-closed", "and {count} more contours do not close", count=more))
+    return findings
 
 
-def _advice(changes: Sequence[Change], asked: bool) -> str | None:
-    """Return which changes would close a contour, the likeliest first."""
-    if not asked:
-        return None
-    if not changes:
-        return "no other single value of X, Y, J or G would close it"
-    told = "; or ".join(change.text for change in changes[:LISTED])
-    if len(changes) > LISTED:
-        told += f"; and {len(changes) - LISTED} more"
-    return f"{told} {'closes' if len(changes) == 1 else 'would close'} it"
+def _in_words(changes: Sequence[Change]) -> str:
+    """Return the changes that would close a contour, the likeliest first."""
+    text = "; or ".join(change.text for change in changes[:LISTED])
+    more = len(changes) - LISTED
+    return f"{text}; and {more} more" if more > 0 else text
 
 
 def open_contours(way: Walk) -> Iterator[Open]:

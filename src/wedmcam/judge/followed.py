@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place
 from wedmcam.ir.plan import Cut, Material, Plan
 from wedmcam.ir.program import Program, Role
 from wedmcam.judge.clearance import as_left
 from wedmcam.judge.material import Kept, kept_material
 from wedmcam.judge.route import Route, plan_route
-from wedmcam.judge.runs import Assigned, assign, mm, per_mm, runs, span_of
+from wedmcam.judge.runs import Assigned, assign, per_mm, place, runs, span_of
 from wedmcam.judge.segments import Bools, Floats, Ints, points_at
 from wedmcam.judge.survey import Survey, survey
 from wedmcam.judge.track import Track, track
@@ -92,15 +93,19 @@ class Followed:
         """How many steps go to a mm."""
         return per_mm(self.program)
 
-    def block_error(self, code: str, row: int, text: str) -> Diagnostic:
-        """Return an error on a block, with where it ends."""
-        x, y = (int(v) for v in self.way.end[row])
-        return error(
-            code,
-            f"block {row + 1} {text}; it ends at {mm(x, y, self.per)} mm",
-            span_of(self.program, row),
-            points_mm=((x / self.per, y / self.per),),
-        )
+    def of_block(self, row: int) -> dict[str, Any]:
+        """Return what a finding holds of a block: its span, its number, and where it ends."""
+        end = self.place(*self.way.end[row])
+        return {
+            "span": span_of(self.program, row),
+            "points_mm": (end,),
+            "block": row + 1,
+            "end": end,
+        }
+
+    def place(self, x: float, y: float) -> Place:
+        """Return a place for a finding, from coordinates in steps."""
+        return place(x, y, self.per)
 
     def surveyed(self, kept: Kept | None) -> Survey:
         """Return the extremes of all rows with a piece of material being kept."""
@@ -230,8 +235,3 @@ def places(route: Route, at: Floats) -> Floats:
 def last_row(way: Walk) -> int:
     """Return the row of the last block that cuts."""
     return int(np.flatnonzero(way.cutting & (way.steps > 0))[-1])
-
-
-def where_it_ends(way: Walk, row: int) -> str:
-    """Return what it means that a block ends at a wrong place, if it is the last."""
-    return ": the program does not end where the plan ends" if row == last_row(way) else ""

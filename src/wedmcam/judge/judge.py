@@ -102,17 +102,24 @@ def judge(
             stepped_gouge_um=stepped.gouge_um,
         )
         if not stepped.ok:
-            closure = stepped.closure_um
-            findings.append(
-                warning(
-                    "stepped-differs",
-                    "a controller that counts steps would leave the wire path by "
-                    f"{stepped.max_deviation_um / 1000.0:.3f} mm and close the contours within "
-                    f"{'no' if closure is None else f'{closure / 1000.0:.3f}'} mm",
-                    hint="compile with --count exact for such a controller",
-                )
-            )
+            findings.append(_stepped_differs(stepped))
     return verdict._replace(ok=not has_errors(findings)), findings
+
+
+def _stepped_differs(stepped: Verdict) -> Diagnostic:
+    """Return what a controller that counts steps would do; the verdict on it is in um."""
+    closure = stepped.closure_um
+    return warning(
+        "stepped-differs",
+        "a controller that counts steps would leave the wire path by {deviation_mm:.3f} mm and "
+        "close the contours within no mm"
+        if closure is None
+        else "a controller that counts steps would leave the wire path by {deviation_mm:.3f} mm "
+        "and close the contours within {closure_mm:.3f} mm",
+        hint="compile with --count exact for such a controller",
+        deviation_mm=stepped.max_deviation_um / 1000.0,
+        closure_mm=None if closure is None else closure / 1000.0,
+    )
 
 
 def _judged(

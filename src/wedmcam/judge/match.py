@@ -20,7 +20,7 @@ from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.route import Route, assemble, overcut
-from wedmcam.judge.runs import SOME_CONTOURS, Assigned, mm, per_mm, runs, span_of
+from wedmcam.judge.runs import SOME_CONTOURS, Assigned, per_mm, place, runs, span_of
 from wedmcam.judge.segments import (
     Floats,
     Ints,
@@ -335,12 +335,15 @@ def match(
         assigned.append(Assigned(k, piece.index, piece.pauses, closing))
         backwards.append(back)
     for k in sorted(set(range(len(plan.cuts))) - set(runs_of)):
-        x, y = path_box(plan.cuts[k])[:2]
+        low_x, low_y = path_box(plan.cuts[k])[:2].tolist()
+        corner = place(low_x, low_y, per)
         findings.append(
             error(
                 "missing-cut",
-                f"cut {k + 1} (low corner {mm(x, y, per)} mm) is not in the program",
-                points_mm=((float(x) / per, float(y) / per),),
+                "cut {cut} (low corner {corner}) is not in the program",
+                points_mm=(corner,),
+                cut=k + 1,
+                corner=corner,
             )
         )
     if not assigned:
@@ -348,26 +351,33 @@ def match(
     cuts = [plan.cuts[a.cut] for a in assigned]
     order = list(dict.fromkeys(a.cut for a in assigned))
     if order != sorted(order):
-        said = ", ".join(str(k + 1) for k in order)
-        findings.append(note("other-order", f"the program cuts the contours in the order {said}"))
+        findings.append(
+            note(
+                "other-order",
+                "the program cuts the contours in the order {order}",
+                order=", ".join(str(k + 1) for k in order),
+            )
+        )
     for a, back in zip(assigned, backwards, strict=True):
         if back:
             findings.append(
                 note(
                     "other-order",
-                    f"cut {a.cut + 1} is run against the sense of the plan",
+                    "cut {cut} is run against the sense of the plan",
                     span_of(program, int(a.index[0])),
+                    cut=a.cut + 1,
                 )
             )
         x, y = (int(v) for v in way.start[int(a.index[0])])
         if (x, y) != plan.cuts[a.cut].thread:
-            tx, ty = plan.cuts[a.cut].thread
             findings.append(
                 note(
                     "other-order",
-                    f"cut {a.cut + 1} is threaded at {mm(x, y, per)} mm, not at "
-                    f"{mm(tx, ty, per)} mm",
+                    "cut {cut} is threaded at {start}, not at {thread}",
                     span_of(program, int(a.index[0])),
+                    cut=a.cut + 1,
+                    start=place(x, y, per),
+                    thread=place(*plan.cuts[a.cut].thread, per),
                 )
             )
     findings.extend(_other_leads(way, program, plan, pieces_of))
@@ -390,41 +400,78 @@ def _other_leads(
     """
     per = per_mm(program)
     length = way.lengths()
-    told: list[Diagnostic] = []
+    notes: list[Diagnostic] = []
     for piece, k in held:
         cut = plan.cuts[k]
-        index, row = piece.index, int(piece.index[piece.first])
-        threaded = way.start[int(index[0])].astype(float)
-        x, y = way.start[row].astype(float).tolist()
-        v = cut.path.vertices[0]
-        arrives = float(np.hypot(x - v["x"], y - v["y"]))
-        straight = float(np.hypot(x - threaded[0], y - threaded[1]))
-        way_in = float(length[index[: piece.first]].sum())
+        index = piece.index
+        if (arrival := _other_way_in(way, program, piece, cut, length, k)) is not None:
+            notes.append(arrival)
+        start, thread = (way.start[int(index[p])].astype(float) for p in (piece.first, 0))
+        straight = float(np.hypot(*(start - thread)))
         way_out = float(length[index[piece.out :]].sum())
         back = straight + 2.0 * cut.overcut_um if cut.path.closed else 0.0
-        said = []
-        if arrives > SAME_LEAD and cut.path.closed:
-            said.append(
-                f"arrives at {mm(x, y, per)} mm, the plan's at {mm(v['x'], v['y'], per)} mm"
-            )
-        if way_in - straight > SAME_LEAD:
-            said.append(f"is {way_in / per:.3f} mm long, straight {straight / per:.3f} mm")
-        if said:
-            told.append(_lead_note(program, f"the way into cut {k + 1} " + " and ".join(said), row))
         if abs(way_out - back) > SAME_LEAD:
-            first = int(index[min(piece.out, len(index) - 1)])
-            what = f"is {way_out / per:.3f} mm long" if way_out else "is missing"
-            text = f"the way out of cut {k + 1} {what}, the plan's {back / per:.3f} mm"
-            told.append(_lead_note(program, text, first))
-    more = len(told) - LISTED
+            notes.append(
+                note(
+                    "other-leads",
+                    "the way out of cut {cut} is {length_mm:.3f} mm long, the plan's "
+                    "{planned_mm:.3f} mm"
+                    if way_out
+                    else "the way out of cut {cut} is missing, the plan's {planned_mm:.3f} mm",
+                    span_of(program, int(index[min(piece.out, len(index) - 1)])),
+                    cut=k + 1,
+                    length_mm=way_out / per,
+                    planned_mm=back / per,
+                )
+            )
+    more = len(notes) - LISTED
     if more > 1:
-        text = f"and {more} more ways in and out are not the plan's"
-        return [*told[:LISTED], note("other-leads", text, count=more)]
-    return told
+        rest = note(
+            "other-leads", "and {count} more ways in and out are not the plan's", count=more
+        )
+        return [*notes[:LISTED], rest]
+    return notes
 
 
-def _lead_note(program: Program, text: str, row: int) -> Diagnostic:
-    return note("other-leads", text, span_of(program, row))
+def _other_way_in(
+    way: Walk, program: Program, piece: Piece, cut: Cut, length: Floats, k: int
+) -> Diagnostic | None:
+    """Return a note where a way in arrives elsewhere, or is longer than straight.
+
+    Args:
+        way, program: what the machine does.
+        piece: the blocks of the cut.
+        cut: as it is planned.
+        length: of each block of the program, steps.
+        k: number of the cut in the plan, from 0.
+    """
+    per = per_mm(program)
+    row = int(piece.index[piece.first])
+    start, thread = (way.start[r].astype(float) for r in (row, int(piece.index[0])))
+    v = cut.path.vertices[0]
+    planned = np.array([float(v["x"]), float(v["y"])])
+    straight = float(np.hypot(*(start - thread)))
+    way_in = float(length[piece.index[: piece.first]].sum())
+    elsewhere = cut.path.closed and float(np.hypot(*(start - planned))) > SAME_LEAD
+    longer = way_in - straight > SAME_LEAD
+    if not elsewhere and not longer:
+        return None
+    d = note("other-leads", "the way into cut {cut}", span_of(program, row), cut=k + 1)
+    if elsewhere:
+        d = d.extended(
+            " arrives at {arrival}, the plan's at {planned}",
+            arrival=place(start[0], start[1], per),
+            planned=place(planned[0], planned[1], per),
+        )
+    if elsewhere and longer:
+        d = d.extended(" and")
+    if longer:
+        d = d.extended(
+            " is {length_mm:.3f} mm long, straight {straight_mm:.3f} mm",
+            length_mm=way_in / per,
+            straight_mm=straight / per,
+        )
+    return d
 
 
 def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
@@ -494,33 +541,44 @@ def _again(
     piece: Piece,
     k: int,
     times: int,
-    say: Callable[..., Diagnostic],
+    finding: Callable[..., Diagnostic],
 ) -> Diagnostic:
-    per = per_mm(program)
     first = int(piece.index[piece.last if piece.again else piece.first])
     last = int(piece.index[piece.out - 1 if piece.turns or not piece.again else -1])
-    x, y = way.start[first]
-    blocks = f"blocks {first + 1} to {last + 1} run" if last > first else f"block {first + 1} runs"
-    return say(
+    x, y = way.start[first].tolist()
+    again = finding(
         "cut-twice",
-        f"cut {k + 1} is run {'twice' if times == 2 else f'{times} times'}: {blocks} it again",
+        "cut {cut} is run twice" if times == 2 else "cut {cut} is run {times} times",
         span_of(program, first),
-        points_mm=((float(x) / per, float(y) / per),),
+        points_mm=(place(x, y, per_mm(program)),),
+        cut=k + 1,
+        times=times,
+        first=first + 1,
+        last=last + 1,
+    )
+    return again.extended(
+        ": blocks {first} to {last} run it again"
+        if last > first
+        else ": block {first} runs it again"
     )
 
 
 def _stranger(way: Walk, program: Program, piece: Piece) -> Diagnostic:
     per = per_mm(program)
     first = int(piece.index[0])
-    x, y = way.start[first]
-    w, h = piece.box[2:] - piece.box[:2]
+    x, y = way.start[first].tolist()
+    width, height = (piece.box[2:] - piece.box[:2]).tolist()
     return error(
         "extra-cut",
-        f"blocks {first + 1} to {int(piece.index[-1]) + 1} cut a contour of {w / per:.3f} x "
-        f"{h / per:.3f} mm that the plan does not have there",
+        "blocks {first} to {last} cut a contour of {width_mm:.3f} x {height_mm:.3f} mm that the "
+        "plan does not have there",
         span_of(program, first),
         hint=SOME_CONTOURS,
-        points_mm=((float(x) / per, float(y) / per),),
+        points_mm=(place(x, y, per),),
+        first=first + 1,
+        last=int(piece.index[-1]) + 1,
+        width_mm=width / per,
+        height_mm=height / per,
     )
 
 

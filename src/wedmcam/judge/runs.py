@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.diag import Diagnostic, Place, Span, error
 from wedmcam.ir.plan import Cut
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.segments import Ints
@@ -58,18 +58,13 @@ def per_mm(program: Program) -> float:
     return 1000.0 / program.step_um
 
 
-def mm(x: float, y: float, per: float = 1000.0) -> str:
-    """Return a place for a message, from steps of which ``per`` go to a mm; never -0.
+def place(x: float, y: float, per: float = 1000.0) -> Place:
+    """Return a place for a finding, from coordinates in steps; ``per`` steps are a mm.
 
-    >>> mm(-0.4, 12500)
-    '(0.000, 12.500)'
+    >>> str(place(-0.4, 12500))
+    '(0.000, 12.500) mm'
     """
-    return f"({_plain(x / per)}, {_plain(y / per)})"
-
-
-def _plain(value: float) -> str:
-    text = f"{value:.3f}"
-    return text[1:] if text.lstrip("-0.") == "" and text.startswith("-") else text
+    return Place(float(x / per), float(y / per))
 
 
 def span_of(program: Program, row: int) -> Span | None:
@@ -156,39 +151,44 @@ def _goes_on(
 
 
 def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
-    per = per_mm(program)
-    x, y = cut.thread
+    thread = place(*cut.thread, per_mm(program))
     return error(
         "missing-cut",
-        f"cut {number + 1} (threaded at {mm(x, y, per)} mm) is not in the program",
+        "cut {cut} (threaded at {thread}) is not in the program",
         hint=SOME_CONTOURS,
-        points_mm=((x / per, y / per),),
+        points_mm=(thread,),
+        cut=number + 1,
+        thread=thread,
     )
 
 
 def _extra(program: Program, run: Run) -> Diagnostic:
-    per = per_mm(program)
     first = int(run.index[0])
-    x, y = run.start
+    start = place(*run.start, per_mm(program))
     return error(
         "extra-cut",
-        f"blocks {first + 1} to {int(run.index[-1]) + 1} cut from {mm(x, y, per)} mm on; no "
-        "contour is left for them",
+        "blocks {first} to {last} cut from {start} on; no contour is left for them",
         span_of(program, first),
         hint=SOME_CONTOURS,
-        points_mm=((x / per, y / per),),
+        points_mm=(start,),
+        first=first + 1,
+        last=int(run.index[-1]) + 1,
+        start=start,
     )
 
 
 def _thread(program: Program, run: Run, cut: Cut, number: int) -> Diagnostic:
     per = per_mm(program)
     first = int(run.index[0])
-    (x, y), (tx, ty) = run.start, cut.thread
-    off = np.hypot(x - tx, y - ty) / per
+    start = place(*run.start, per)
     return error(
         "thread-point",
-        f"block {first + 1} starts cut {number + 1} at {mm(x, y, per)} mm, {off:.3f} mm from its "
-        f"thread point {mm(tx, ty, per)} mm",
+        "block {block} starts cut {cut} at {start}, {off_mm:.3f} mm from its thread point {thread}",
         span_of(program, first),
-        points_mm=((x / per, y / per),),
+        points_mm=(start,),
+        block=first + 1,
+        cut=number + 1,
+        start=start,
+        off_mm=np.hypot(run.start[0] - cut.thread[0], run.start[1] - cut.thread[1]) / per,
+        thread=place(*cut.thread, per),
     )

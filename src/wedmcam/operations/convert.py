@@ -28,7 +28,7 @@ from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.operations.compile import compile as compile_source
 from wedmcam.operations.profiles import machine_for
-from wedmcam.operations.read import read_program
+from wedmcam.operations.read import NO_GAP, read_program
 from wedmcam.programs.places import block_ends
 from wedmcam.targets import Entries, target_of
 
@@ -184,17 +184,22 @@ def _gap_asked(d: Diagnostic, shown: bool, stays: bool) -> Diagnostic | None:
         return d
     if stays:
         return None
-    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
-    hint = "--gap 0.1mm --side part, as entered at the controller; --gap 0 for the outline itself"
-    return error("no-gap", what, d.span, hint=hint)
+    return error(
+        "no-gap",
+        NO_GAP,
+        d.span,
+        hint="--gap 0.1mm --side part, as entered at the controller; --gap 0 for the outline "
+        "itself",
+    )
 
 
 def _lost(d: Diagnostic) -> Diagnostic:
     """Return a note on words that a reader leaves out as what it is for a conversion: a loss."""
     if d.code != "iso-harmless":
         return d
-    hint = "see to it at the machine"
-    return replace(d, code="not-carried", severity=Severity.WARNING, hint_template=hint)
+    return replace(
+        d, code="not-carried", severity=Severity.WARNING, hint_template="see to it at the machine"
+    )
 
 
 def _warned(found: list[Diagnostic]) -> bool:
@@ -257,23 +262,26 @@ def between(
     return (data if apart.equal else None), made, apart, found
 
 
-def _differs(what: str, program: Program, apart: Difference) -> Diagnostic:
-    far = f"{apart.distance_um:.2f} um apart" if apart.distance_um < 1e9 else apart.what
+def _differs(format_: str, program: Program, apart: Difference) -> Diagnostic:
     return error(
         "conversion-differs",
-        f"the {what} program would not step the path of the first: {far} in "
-        f"block {apart.block_a} of the first and {apart.block_b} of the other",
+        "the {format} program would not step the path of the first: {distance_um:.2f} um apart "
+        "in block {block} of the first and {other_block} of the other"
+        if apart.distance_um < 1e9
+        else "the {format} program would not step the path of the first: {difference} in block "
+        "{block} of the first and {other_block} of the other",
         _span_of(program, apart.block_a),
         hint="write another format; wedmcam dump shows the block",
+        format=format_,
+        distance_um=apart.distance_um if apart.distance_um < 1e9 else None,
+        difference=apart.what,
+        block=apart.block_a,
+        other_block=apart.block_b,
     )
 
 
 def _span_of(program: Program, block: int) -> Any:
     return program.spans[block - 1] if 0 < block <= len(program.spans) else None
-
-
-def _no_words(what: str, span: Any) -> Diagnostic:
-    return error("not-in-format", what, span, hint="convert to .dxf, which takes any path")
 
 
 def as_svg(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
@@ -294,7 +302,7 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     program (rotation, compensation) for the ZD-065's own. An arc that comes out too far from what
     the first program steps is written in more parts.
     """
-    from wedmcam.backends.wed import hindrance, source, trimmed
+    from wedmcam.backends.wed import ANY_PATH, hindrance, source, trimmed
     from wedmcam.judge.difference import difference
 
     own = target_of(machine).own_path
@@ -311,18 +319,22 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
         reason = hindrance(program, machine)
         if not made.ok or made.program is None:
             if reason is not None:
-                return b"", [*found, _no_words(*reason)]
+                return b"", [*found, reason]
             why = next(d for d in made.findings if d.severity is Severity.ERROR)
-            text = f"the part program made of this program does not compile: {why.message}"
-            hint = "convert to .dxf, which takes any path"
-            return b"", [*found, error("conversion-differs", text, hint=hint)]
+            failed = error(
+                "conversion-differs",
+                "the part program made of this program does not compile: {why}",
+                hint=ANY_PATH,
+                why=why.message,
+            )
+            return b"", [*found, failed]
         apart = difference(program, made.program, *steppings, WITHIN_UM * max(1.0, program.step_um))
         if apart.equal:
             return data, found
         i = apart.block_a - 1
         if last or not program.blocks["turn"][i] or pieces[i] >= MOST_PIECES:
             if reason is not None:
-                return b"", [*found, _no_words(*reason)]
+                return b"", [*found, reason]
             return b"", [*found, _differs("part", program, apart)]
         pieces[i] *= 2
     raise AssertionError  # the last try returns

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.diag.run import Run
 from wedmcam.files import bytes_of
 from wedmcam.machines import Machine
@@ -124,14 +124,16 @@ def _compared(made: list[Compilation]) -> Several:
         found = difference(first.program, other.program, *steppings, within)
         apart.append(found.largest_um)
         if not found.equal:
-            x, y = found.at[0] / 1000, found.at[1] / 1000
             wrong.append(
                 error(
                     "conversion-differs",
-                    f"the {other.machine.format} program is not the path of the "
-                    f"{first.machine.format} program at ({x:.3f}, {y:.3f}) mm from the start: "
-                    f"{found.what}",
+                    "the {format} program is not the path of the {first_format} program at "
+                    "{place} from the start: {difference}",
                     hint="compile the formats one by one",
+                    format=other.machine.format,
+                    first_format=first.machine.format,
+                    place=Place.of_um(*found.at),
+                    difference=found.what,
                 )
             )
     return Several(tuple(made), tuple(apart), tuple(wrong))

@@ -30,7 +30,7 @@ from wedmcam.operations.profiles import (
     reader_machine,
     targets_of,
 )
-from wedmcam.operations.read import dialect_of
+from wedmcam.operations.read import NO_GAP, dialect_of
 from wedmcam.options import Options, WrongUse, options_in_mm
 from wedmcam.targets import Entries, Target
 
@@ -228,8 +228,14 @@ def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list
         table.append(f"every {entries.letter} = {entry}{' (diameter)' * entries.diameter}")
     if not table:
         return []
-    text = f"{', '.join(table)} is taken to be entered at the controller: the offsets of the source"
-    return [note("iso-compensation", text, hint="--d N=LENGTH states what is entered")]
+    return [
+        note(
+            "iso-compensation",
+            "{offsets} is taken to be entered at the controller: the offsets of the source",
+            hint="--d N=LENGTH states what is entered",
+            offsets=", ".join(table),
+        )
+    ]
 
 
 def _no_gap(
@@ -244,9 +250,13 @@ def _no_gap(
     found = [] if stated else target.unstated(decoded)
     if against is None or not found:
         return found
-    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
-    hint = "--offset 0.1mm, the gap that is entered at the controller; --side on for none"
-    return [error("no-gap", what, hint=hint)]
+    return [
+        error(
+            "no-gap",
+            NO_GAP,
+            hint="--offset 0.1mm, the gap that is entered at the controller; --side on for none",
+        )
+    ]
 
 
 def _options_issued(
@@ -274,10 +284,11 @@ def _unended(program: Program, target: Target) -> list[Diagnostic]:
     return [
         warning(
             "no-end",
-            f"the program has no stop ({stop}): some controllers run on into what "
-            "their memory still holds",
+            "the program has no stop ({stop}): some controllers run on into what their memory "
+            "still holds",
             program.spans[-1] if len(program.spans) else None,
-            hint=f"end it with {stop}",
+            hint="end it with {stop}",
+            stop=stop,
         )
     ]
 

@@ -143,9 +143,16 @@ def read_sheet(text: str, file: str) -> tuple[Readings, list[Diagnostic]]:
         numbers = [t for t in told[1:3] if re.fullmatch(r"[-+]?\d{1,6}(\.\d*)?|[-+]?\.\d+", t)]
         known = told[0] in PARTS or told[0] == "moved"
         if not known or len(numbers) < 2 or told[3:] not in ([], ["alarm"]):
-            what = f"'{line.strip()[:40]}' is no reading"
-            hint = f"a line is {', '.join(PARTS)} or moved, X and Y in mm, and 'alarm' or nothing"
-            found.append(error("probe-reading", what, TextSpan(file, number, 1), hint=hint))
+            found.append(
+                error(
+                    "probe-reading",
+                    "'{line}' is no reading",
+                    TextSpan(file, number, 1),
+                    hint="a line is {programs} or moved, X and Y in mm, and 'alarm' or nothing",
+                    line=line.strip()[:40],
+                    programs=", ".join(PARTS),
+                )
+            )
             continue
         x, y = (1000.0 * float(v) for v in numbers)
         if told[0] == "moved":
@@ -177,15 +184,23 @@ def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnosti
             most = max(_agree(stops(part, c), read, partly=True) for c in candidates)
             last = min(most, len(read) - 1)
             x, y = read[last][1:3]
-            what = (
-                f"stop {most + 1} of {part}, at {x / 1000:.3f}, {y / 1000:.3f}, fits no controller "
-                "that is known"
-                if most < len(read)
-                else f"the {len(read)} stops of {part} fit, but controllers stop elsewhere too"
+            found.append(
+                error(
+                    "probe-reading",
+                    "stop {stop} of {program}, at {x_mm:.3f}, {y_mm:.3f}, fits no controller that "
+                    "is known"
+                    if most < len(read)
+                    else "the {stops} stops of {program} fit, but controllers stop elsewhere too",
+                    TextSpan(file, readings.lines[part][last], 1),
+                    hint="read it again; was the display at 0 at the start, and is a line for each "
+                    "stop?",
+                    stop=most + 1,
+                    stops=len(read),
+                    program=part,
+                    x_mm=x / 1000,
+                    y_mm=y / 1000,
+                )
             )
-            hint = "read it again; was the display at 0 at the start, and is a line for each stop?"
-            span = TextSpan(file, readings.lines[part][last], 1)
-            found.append(error("probe-reading", what, span, hint=hint))
             continue
         for field in ASKED[part]:
             values = {str(getattr(c, field)) for c in good}

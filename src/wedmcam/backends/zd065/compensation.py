@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.checks import Checks, mm
+from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers import Stepping
@@ -101,14 +101,16 @@ def stated(
         Severity.ERROR,
         "gap-value",
         np.full(len(blocks), not 0 <= gap_um <= most_um),
-        lambda i: f"a gap of {mm(gap_um)}; the controller takes up to {mm(most_um)}",
+        "block {block}: a gap of {gap_mm:.3f} mm; the controller takes up to {most_mm:.3f} mm",
+        lambda i: {"gap_mm": gap_um / 1000, "most_mm": most_um / 1000},
     )
     checks.tell(
         Severity.ERROR,
         "not-tangent",
         arc & (sign > 0) & (radius - gap_um < 1),
-        lambda i: "the wire goes round a sharp corner of the outline",
-        f"round the corners (--corner), or --to {instead}",
+        "block {block}: the wire goes round a sharp corner of the outline",
+        lambda i: {"format": instead},
+        hint="round the corners (--corner), or --to {format}",
     )
     if checks.failed:
         return None
@@ -118,11 +120,10 @@ def stated(
         Severity.ERROR,
         "not-reachable",
         lost,
-        lambda i: (
-            f"the contour cannot end where it started with a gap of {mm(gap_um)}: no line follows "
-            "its arcs to take up what scaling rounds off"
-        ),
-        f"another gap by some um, or --to {instead}",
+        "block {block}: the contour cannot end where it started with a gap of {gap_mm:.3f} mm: no "
+        "line follows its arcs to take up what scaling rounds off",
+        lambda i: {"gap_mm": gap_um / 1000, "format": instead},
+        hint="another gap by some um, or --to {format}",
     )
     return None if checks.failed else figure
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.checks import Checks, mm
+from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers.zd065 import POLAR, rotated
@@ -55,15 +55,16 @@ def encode(
         Severity.ERROR,
         "over-limit",
         straight & (np.floor(length + 0.5) > 999_999),
-        lambda i: f"the line is {mm(float(length[i]))} long; the format holds 999.999 mm",
+        "block {block}: the line is {length_mm:.3f} mm long; the format holds 999.999 mm",
+        lambda i: {"length_mm": float(length[i]) / 1000},
     )
     figure, reached = polar(blocks, x, y)
     checks.tell(
         Severity.ERROR,
         "not-reachable",
         (arc | straight) & ~reached,
-        lambda i: "no angle of 8 digits and whole R give this block",
-        "--to compact holds it as it is",
+        "block {block}: no angle of 8 digits and whole R give this block",
+        hint="--to compact holds it as it is",
     )
     found += checks.found
     if checks.failed:

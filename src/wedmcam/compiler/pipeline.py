@@ -124,6 +124,7 @@ def judged(
     fitted: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """A program is run on its controller and measured; see `judge.judge`."""
+    from wedmcam.judge.followed import Terms
     from wedmcam.judge.judge import judge
 
     textbook = (options.count or target.machine.count) == "textbook"
@@ -134,7 +135,5 @@ def judged(
         limits=target.machine.limits,
         free_moves=target.machine.move_um is None,
         count="textbook" if textbook else "exact",
-        strict_order=strict_order,
-        trimmed=options.trim,
-        fitted=fitted,
+        terms=Terms(strict_order=strict_order, trimmed=options.trim, fitted=fitted),
     )

@@ -10,7 +10,13 @@ from wedmcam.diag import Diagnostic, has_errors
 from wedmcam.diag.run import Run
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.understanding import Understanding
-from wedmcam.judge.certificate import certificate, finding_data, fingerprint
+from wedmcam.judge.certificate import (
+    CertifiedProgram,
+    CertifiedSource,
+    certificate,
+    finding_data,
+    fingerprint,
+)
 from wedmcam.judge.verdict import Verdict
 from wedmcam.machines import Machine
 from wedmcam.machines.write import as_toml
@@ -64,16 +70,20 @@ def summary_of(
     result = certificate(
         verdict,
         found,
-        input_name=name,
-        output_name=output_name,
-        format_name=machine.format,
-        units=units or "",
-        input_bytes=data,
-        output_bytes=out or b"",
-        profile_name=machine.name,
-        profile_sha256=profile_fingerprint(machine),
-        join_um=drawn.report.max_shift_um if drawn else 0.0,
-        spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
+        CertifiedSource(
+            name,
+            data,
+            units or "",
+            join_um=drawn.report.max_shift_um if drawn else 0.0,
+            spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
+        ),
+        CertifiedProgram(
+            output_name,
+            out or b"",
+            machine.format,
+            profile=machine.name,
+            profile_sha256=profile_fingerprint(machine),
+        ),
         options=options.as_data(),
         version=__version__,
     )

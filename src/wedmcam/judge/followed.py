@@ -24,13 +24,28 @@ from wedmcam.judge.walk import Walk
 
 @dataclass(frozen=True, slots=True)
 class Terms:
-    """What a program is held to; see `judge.judge`. Lengths are steps of the machine."""
+    """What a program is held to.
 
-    path_limit_um: float
-    gouge_limit_um: float
-    trimmed: bool
-    strict_order: bool
-    fitted: bool
+    Attributes:
+        path_limit_um: largest deviation between the wire's way and the exact route, either way,
+            for steps of 1 um; it grows and shrinks with them.
+        gouge_limit_um: largest depth of the wire in the kept material, likewise.
+        trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
+            missing are warnings then.
+        strict_order: False proves the part only: order, sense, start and leads may differ from the
+            plan's and are notes.
+        fitted: where the program starts is not known, but was fitted.
+    """
+
+    path_limit_um: float = 2.0
+    gouge_limit_um: float = 1.6
+    trimmed: bool = False
+    strict_order: bool = True
+    fitted: bool = False
+
+
+#: What a program is held to that was compiled here.
+OURS = Terms()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -89,7 +89,8 @@ def told_in_um(v: Verdict, step_um: float) -> Verdict:
 
     x, y = v.origin_um
     x0, y0, x1, y1 = (e * step_um for e in v.extents_um)
-    return v._replace(
+    return replace(
+        v,
         closure_um=um(v.closure_um),
         max_deviation_um=v.max_deviation_um * step_um,
         lead_deviation_um=v.lead_deviation_um * step_um,

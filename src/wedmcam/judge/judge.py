@@ -26,6 +26,7 @@ order an error.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, has_errors, warning
@@ -34,7 +35,7 @@ from wedmcam.ir.program import Program
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.conclusion import verdict_of, verdict_of_nothing
 from wedmcam.judge.ends import closes, moves_on
-from wedmcam.judge.followed import Followed, Terms, follow
+from wedmcam.judge.followed import OURS, Followed, Terms, follow
 from wedmcam.judge.in_steps import in_steps, told_in_um
 from wedmcam.judge.keeping import keeps_the_part
 from wedmcam.judge.leads import meet_no_cut
@@ -55,12 +56,8 @@ def judge(
     stepping: Stepping,
     limits: Limits | None = None,
     count: Count = "exact",
-    path_limit_um: float = 2.0,
-    gouge_limit_um: float = 1.6,
-    strict_order: bool = True,
-    trimmed: bool = False,
-    fitted: bool = False,
     free_moves: bool = False,
+    terms: Terms = OURS,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge a decoded program.
 
@@ -73,15 +70,8 @@ def judge(
         count: "exact" for a controller that counts steps; "textbook" for one that recomputes arc
             ends: then the verdict is for that one, and what a step-counting controller would do
             is told beside it.
-        path_limit_um: largest deviation between the wire's way and the exact route, either way,
-            for steps of 1 um; it grows and shrinks with them.
-        gouge_limit_um: largest depth of the wire in the kept material, likewise.
-        strict_order: False proves the part only: order, sense, start and leads may differ from the
-            plan's and are notes.
-        fitted: where the program starts is not known, but was fitted.
         free_moves: moves between cuts have no limit (G00).
-        trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
-            missing are warnings then.
+        terms: what the program is held to.
 
     Returns:
         The verdict, and findings; ``ok`` is that none of them is an error.
@@ -89,21 +79,21 @@ def judge(
     way = walk(program, stepping, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps, free_moves)
     plan = in_steps(plan, program.step_um)
-    terms = Terms(path_limit_um, gouge_limit_um, trimmed, strict_order, fitted)
     verdict, found = _judged(program, plan, terms, way, count)
     verdict = told_in_um(verdict, program.step_um)
     findings.extend(found)
     if count == "textbook":
         stepped, _ = _judged(program, plan, terms, walk(program, stepping), "exact")
         stepped = told_in_um(stepped, program.step_um)
-        verdict = verdict._replace(
+        verdict = replace(
+            verdict,
             stepped_closure_um=stepped.closure_um,
             stepped_max_deviation_um=stepped.max_deviation_um,
             stepped_gouge_um=stepped.gouge_um,
         )
         if not stepped.ok:
             findings.append(_stepped_differs(stepped))
-    return verdict._replace(ok=not has_errors(findings)), findings
+    return replace(verdict, ok=not has_errors(findings)), findings
 
 
 def _stepped_differs(stepped: Verdict) -> Diagnostic:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,7 +60,8 @@ BY = 2.0
 MIDDLES = 6.0
 
 
-class Piece(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
     """Blocks between two threadings, and the contour among them.
 
     Attributes:
@@ -77,7 +78,7 @@ class Piece(NamedTuple):
             there.
     """
 
-    index: Ints  # type: ignore[assignment]
+    index: Ints
     pauses: tuple[int, ...]
     first: int
     last: int
@@ -201,7 +202,7 @@ def _runs_on(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece | None:
             held = _cut_out(way, index, pauses, first, k + 1)
             if abs(held.area) > 0.5 * most:
                 return (
-                    held if not past else held._replace(closed=True, again=0, turns=(), past=past)
+                    held if not past else replace(held, closed=True, again=0, turns=(), past=past)
                 )
     return None
 
@@ -266,7 +267,7 @@ def _along(way: Walk, piece: Piece, cut: Cut) -> Piece | None:
     box, area = _measured(way, piece.index[first:last])
     start = ends[first]  # places begin behind the first step
     box = np.concatenate([np.minimum(box[:2], start), np.maximum(box[2:], start)])
-    return piece._replace(first=first, last=last, turns=(), box=box, area=area)
+    return replace(piece, first=first, last=last, turns=(), box=box, area=area)
 
 
 def _retraced(way: Walk, there: int, back: int) -> bool:

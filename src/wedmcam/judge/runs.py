@@ -6,7 +6,7 @@ cut follows from the order and from where the wire is threaded.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +20,8 @@ from wedmcam.judge.walk import Walk
 SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B says of which"
 
 
-class Run(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
     """Cutting blocks without a control record or a move between them.
 
     Attributes:
@@ -30,13 +31,14 @@ class Run(NamedTuple):
         joined: the run before ends in a pause only, so this may go on with the same contour.
     """
 
-    index: Ints  # type: ignore[assignment]
+    index: Ints
     start: tuple[int, int]
     end: tuple[int, int]
     joined: bool
 
 
-class Assigned(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Assigned:
     """The blocks of one cut.
 
     Attributes:
@@ -48,7 +50,7 @@ class Assigned(NamedTuple):
     """
 
     cut: int
-    index: Ints  # type: ignore[assignment]
+    index: Ints
     pauses: tuple[int, ...]
     closing: int = -1
 

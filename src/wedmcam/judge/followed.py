@@ -142,15 +142,19 @@ def follow(
     """
     if terms.strict_order:
         assigned, found = assign(program, runs(way), plan.cuts)
+        if not assigned:
+            return None, found
         cuts = [plan.cuts[a.cut] for a in assigned]
         backwards = [False] * len(cuts)
-        route = plan_route(cuts) if cuts else None
+        route = plan_route(cuts)
     else:
         from wedmcam.judge.match import match
 
-        assigned, cuts, route, backwards, found = match(way, program, plan)
-    if route is None:
-        return None, found
+        matched, found = match(way, program, plan)
+        if matched is None:
+            return None, found
+        assigned, cuts, route = matched.assigned, matched.cuts, matched.route
+        backwards = matched.backwards
     index = np.concatenate([a.index for a in assigned])
     cut_of = np.repeat(np.arange(len(assigned)), [len(a.index) for a in assigned])
     t = tracked(way, route, assigned)

@@ -292,24 +292,64 @@ def path_area(s: Segments) -> float:
     return float((chords + caps).sum()) / 2.0
 
 
-def match(
-    way: Walk, program: Program, plan: Plan
-) -> tuple[list[Assigned], list[Cut], Route | None, list[bool], list[Diagnostic]]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Match:
+    """A program laid on a plan.
+
+    Attributes:
+        assigned: the blocks of each cut, in the program's order.
+        cuts: of the plan, one an entry of ``assigned``.
+        route: as the program takes it.
+        backwards: for each whether it runs against the plan's sense.
+    """
+
+    assigned: list[Assigned]
+    cuts: list[Cut]
+    route: Route
+    backwards: list[bool]
+
+
+def match(way: Walk, program: Program, plan: Plan) -> tuple[Match | None, list[Diagnostic]]:
     """Match the pieces of a program with the planned cuts.
 
     Returns:
-        The blocks of each cut in the program's order, the cuts, the route as the program takes it,
-        whether each runs against the plan's sense, and findings: an error for each cut that is
-        missing and each piece that is none, a warning for each that is run again, notes for what
-        is other than planned.
+        The match, None where no piece is a cut of the plan; and findings: an error for each cut
+        that is missing and each piece that is none, a warning for each that is run again, notes for
+        what is other than planned.
     """
-    per = per_mm(program)
-    findings: list[Diagnostic] = []
-    runs_of: Counter[int] = Counter()
+    held, findings = _pieces_of_cuts(way, program, plan)
+    findings += _missing(program, plan, {k for _, k in held})
+    if not held:
+        return None, findings
     assigned: list[Assigned] = []
     backwards: list[bool] = []
-    parts: list[tuple[Segments, int, int]] = []
-    pieces_of: list[tuple[Piece, int]] = []
+    stretches: list[tuple[Segments, Role, int]] = []
+    for number, (piece, k) in enumerate(held):
+        path, back = _as_run(way, piece, plan.cuts[k])
+        stretches += [(s, role, number) for s, role in _route_of(way, piece, path)]
+        closing = piece.last - 1 if piece.past else -1
+        assigned.append(Assigned(k, piece.index, piece.pauses, closing))
+        backwards.append(back)
+    findings += _other_order(way, program, plan, assigned, backwards)
+    findings += _other_leads(way, program, plan, held)
+    cuts = [plan.cuts[a.cut] for a in assigned]
+    route = assemble(
+        join(s for s, _, _ in stretches),
+        np.concatenate([np.full(len(s), int(role)) for s, role, _ in stretches]),
+        np.concatenate([np.full(len(s), number) for s, _, number in stretches]),
+        np.array([c.path.closed for c in cuts]),
+        way.start[[int(a.index[0]) for a in assigned]],
+    )
+    return Match(assigned, cuts, route, backwards), findings
+
+
+def _pieces_of_cuts(
+    way: Walk, program: Program, plan: Plan
+) -> tuple[list[tuple[Piece, int]], list[Diagnostic]]:
+    """Return the pieces that are cuts of the plan, each with its cut, and report the others."""
+    findings: list[Diagnostic] = []
+    runs_of: Counter[int] = Counter()
+    held = []
     for piece, k in paired(way, plan):
         if k < 0:
             findings.append(_stranger(way, program, piece))
@@ -318,38 +358,53 @@ def match(
         runs_of[k] += piece.again + 1
         if more:
             findings.append(_again(way, program, piece, k, runs_of[k], warning))
-        path, back = _as_run(way, piece, plan.cuts[k])
-        number = len(assigned)
-        parts.append((_own(way, piece.index[: piece.first]), int(Role.LEAD_IN), number))
-        parts.append((path, int(Role.CONTOUR), number))
-        if piece.past:
-            parts.append((overcut(path, piece.past), int(Role.OVERCUT), number))
-        here = piece.last
-        for turn in piece.turns:
-            _, area = _measured(way, piece.index[here:turn])
-            same = (area > 0) == (piece.area > 0)
-            parts.append((path if same else reverse(path), int(Role.OVERCUT), number))
-            here = turn
-        parts.append((_own(way, piece.index[piece.out :]), int(Role.LEAD_OUT), number))
-        pieces_of.append((piece, k))
-        closing = piece.last - 1 if piece.past else -1
-        assigned.append(Assigned(k, piece.index, piece.pauses, closing))
-        backwards.append(back)
-    for k in sorted(set(range(len(plan.cuts))) - set(runs_of)):
-        low_x, low_y = path_box(plan.cuts[k])[:2].tolist()
-        corner = place(low_x, low_y, per)
+        held.append((piece, k))
+    return held, findings
+
+
+def _route_of(way: Walk, piece: Piece, path: Segments) -> Iterator[tuple[Segments, Role]]:
+    """Yield the stretches of the route that a piece takes: its own leads about the planned path."""
+    yield _own(way, piece.index[: piece.first]), Role.LEAD_IN
+    yield path, Role.CONTOUR
+    if piece.past:
+        yield overcut(path, piece.past), Role.OVERCUT
+    here = piece.last
+    for turn in piece.turns:
+        _, area = _measured(way, piece.index[here:turn])
+        same = (area > 0) == (piece.area > 0)
+        yield (path if same else reverse(path)), Role.OVERCUT
+        here = turn
+    yield _own(way, piece.index[piece.out :]), Role.LEAD_OUT
+
+
+def _missing(program: Program, plan: Plan, there: set[int]) -> list[Diagnostic]:
+    """Return an error for each cut of the plan that is not among the numbers ``there``."""
+    per = per_mm(program)
+    findings = []
+    for k in sorted(set(range(len(plan.cuts))) - there):
+        x, y = path_box(plan.cuts[k])[:2].tolist()
         findings.append(
             error(
                 "missing-cut",
                 "cut {cut} (low corner {corner}) is not in the program",
-                points_mm=(corner,),
+                points_mm=(place(x, y, per),),
                 cut=k + 1,
-                corner=corner,
+                corner=place(x, y, per),
             )
         )
-    if not assigned:
-        return [], [], None, [], findings
-    cuts = [plan.cuts[a.cut] for a in assigned]
+    return findings
+
+
+def _other_order(
+    way: Walk,
+    program: Program,
+    plan: Plan,
+    assigned: Sequence[Assigned],
+    backwards: Sequence[bool],
+) -> list[Diagnostic]:
+    """Return notes on another order, another sense, and other thread points than the plan's."""
+    per = per_mm(program)
+    findings: list[Diagnostic] = []
     order = list(dict.fromkeys(a.cut for a in assigned))
     if order != sorted(order):
         findings.append(
@@ -360,34 +415,29 @@ def match(
             )
         )
     for a, back in zip(assigned, backwards, strict=True):
+        first = int(a.index[0])
         if back:
             findings.append(
                 note(
                     "other-order",
                     "cut {cut} is run against the sense of the plan",
-                    span_of(program, int(a.index[0])),
+                    span_of(program, first),
                     cut=a.cut + 1,
                 )
             )
-        x, y = (int(v) for v in way.start[int(a.index[0])])
+        x, y = way.start[first].tolist()
         if (x, y) != plan.cuts[a.cut].thread:
             findings.append(
                 note(
                     "other-order",
                     "cut {cut} is threaded at {start}, not at {thread}",
-                    span_of(program, int(a.index[0])),
+                    span_of(program, first),
                     cut=a.cut + 1,
                     start=place(x, y, per),
                     thread=place(*plan.cuts[a.cut].thread, per),
                 )
             )
-    findings.extend(_other_leads(way, program, plan, pieces_of))
-    held = join(p[0] for p in parts)
-    role = np.concatenate([np.full(len(p[0]), p[1]) for p in parts])
-    cut_of = np.concatenate([np.full(len(p[0]), p[2]) for p in parts])
-    closed = np.array([c.path.closed for c in cuts])
-    thread = way.start[[int(a.index[0]) for a in assigned]]
-    return assigned, cuts, assemble(held, role, cut_of, closed, thread), backwards, findings
+    return findings
 
 
 def _other_leads(

@@ -16,8 +16,8 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic, Span, error, visible, warning
+from wedmcam.controllers import Motion, Stepping
+from wedmcam.diag import Diagnostic, Span, error, has_errors, visible, warning
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.programs.stretches import Stretch, beside, stretches, words_left_out
@@ -48,35 +48,9 @@ def source(
     """
     blocks, stepping = program.blocks, machine.stepping
     motion = stepping.run(blocks)
-    found: list[Diagnostic] = []
-    for i in np.flatnonzero(motion.steps < 0)[:1].tolist():
-        found.append(
-            error(
-                "endless-block",
-                "block {block} never ends on its controller: there is no path to write down",
-                _span(program, i),
-                block=i + 1,
-            )
-        )
-    kinds = blocks["kind"]
-    end = np.flatnonzero((kinds == Kind.STOP) | (kinds == Kind.END))
-    last = int(end[0]) if len(end) else len(blocks)
-    late = np.flatnonzero((kinds <= Kind.MOVE) & (np.arange(len(blocks)) > last))
-    if len(late):
-        found.append(
-            warning(
-                "not-carried",
-                "{blocks} blocks behind the end of cutting are no part of the path; left out",
-                _span(program, int(late[0])),
-                blocks=len(late),
-            )
-        )
-    taken = (np.arange(len(blocks)) < last) & ((kinds > Kind.MOVE) | (motion.steps > 0))
-    rows = np.flatnonzero(taken)
-    if any(d.code == "endless-block" for d in found) or not (kinds[rows] < Kind.MOVE).any():
-        if not found:
-            found.append(error("no-blocks", "this program cuts nothing"))
-        return b"", found
+    rows, findings = _rows(program, motion)
+    if has_errors(findings) or not (blocks["kind"][rows] < Kind.MOVE).any():
+        return b"", findings
     ends = np.column_stack([np.cumsum(motion.dx[rows]), np.cumsum(motion.dy[rows])])
     starts = ends - np.column_stack([motion.dx[rows], motion.dy[rows]])
     parts = np.ones(len(rows), np.int64) if pieces is None else pieces[rows]
@@ -90,7 +64,7 @@ def source(
     cuts = []
     runs = stretches(text.blocks, starts, ends)
     for i in beside(text.blocks["kind"], runs):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "a pause at {place} mm from the start has no place in the part language",
@@ -103,7 +77,7 @@ def source(
         lines += contour if contour[0][:3] == lines[-1][:3] == "let" else ["", *contour]
         cuts.append(cut)
         for i in lost:
-            found.append(
+            findings.append(
                 warning(
                     "not-carried",
                     "a pause at {place} mm from the start has no place in the part language: "
@@ -112,8 +86,51 @@ def source(
                     place=text.at(ends[i]),
                 )
             )
-    found += words_left_out(program, [i for i, _ in program.words if i < last], "the part language")
-    return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), found
+    last = _end_of_cutting(blocks)
+    words = [i for i, _ in program.words if i < last]
+    findings += words_left_out(program, words, "the part language")
+    return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), findings
+
+
+def _end_of_cutting(blocks: NDArray[np.void]) -> int:
+    """Return the row of the first stop or end; behind the last where there is none."""
+    kinds = blocks["kind"]
+    end = np.flatnonzero((kinds == Kind.STOP) | (kinds == Kind.END))
+    return int(end[0]) if len(end) else len(blocks)
+
+
+def _rows(program: Program, motion: Motion) -> tuple[Ints, list[Diagnostic]]:
+    """Return the rows that are written: those with a step, and controls, up to the end of cutting.
+
+    Findings are errors where a block never ends or none cuts, a warning where blocks follow.
+    """
+    kinds, last = program.blocks["kind"], _end_of_cutting(program.blocks)
+    findings: list[Diagnostic] = []
+    endless = np.flatnonzero(motion.steps < 0)[:1].tolist()
+    for i in endless:
+        findings.append(
+            error(
+                "endless-block",
+                "block {block} never ends on its controller: there is no path to write down",
+                _span(program, i),
+                block=i + 1,
+            )
+        )
+    late = np.flatnonzero((kinds <= Kind.MOVE) & (np.arange(len(kinds)) > last))
+    if len(late):
+        findings.append(
+            warning(
+                "not-carried",
+                "{blocks} blocks behind the end of cutting are no part of the path; left out",
+                _span(program, int(late[0])),
+                blocks=len(late),
+            )
+        )
+    taken = (np.arange(len(kinds)) < last) & ((kinds > Kind.MOVE) | (motion.steps > 0))
+    rows = np.flatnonzero(taken)
+    if not findings and not (kinds[rows] < Kind.MOVE).any():
+        findings.append(error("no-blocks", "this program cuts nothing"))
+    return rows, findings
 
 
 def trimmed(program: Program) -> tuple[Program, list[Diagnostic]]:

@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 TAU = 2.0 * np.pi
 #: What to do with a program that the part language has no words for.
 ANY_PATH = "convert to .dxf, which takes any path"
-#: Arcs of more than this are written in parts: near a full turn nobody can tell their ends apart.
+#: Arcs of more than this are written in parts: near a full turn their ends cannot be told apart.
 MOST_SWEEP = np.radians(350.0)
 
 
@@ -133,7 +133,7 @@ def _rows(program: Program, motion: Motion) -> tuple[Ints, list[Diagnostic]]:
     return rows, findings
 
 
-def trimmed(program: Program) -> tuple[Program, list[Diagnostic]]:
+def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
     """Return a program from its first cut to its last, and what moves that leaves out."""
     kinds = program.blocks["kind"]
     cuts = np.flatnonzero(kinds < Kind.MOVE)

@@ -8,8 +8,8 @@ import numpy as np
 
 from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.program import Kind, Program
-from wedmcam.judge.runs import per_mm, span_of
 from wedmcam.judge.segments import Bools, Ints
+from wedmcam.judge.stretches import per_mm, span_of
 
 #: So many blocks of a sort are listed one by one.
 EACH = 5

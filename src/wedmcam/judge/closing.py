@@ -19,16 +19,16 @@ from wedmcam.controllers.stepping import Blocks
 from wedmcam.diag import Diagnostic, warning
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.match import EARLY, RECOMPUTED
-from wedmcam.judge.runs import per_mm, place, runs, span_of
 from wedmcam.judge.segments import Ints
+from wedmcam.judge.stretches import per_mm, place, span_of, stretches
 from wedmcam.judge.totals import MEANT_CLOSED
 from wedmcam.judge.walk import Walk, walk
 
-#: So many contours, and so many values that would close one, are told.
-LISTED = 5
-#: So many blocks of a contour are asked for other values: beyond it the number of answers grows
+#: So many contours, and so many values that would close one, are listed.
+MOST_LISTED = 5
+#: So many blocks of a contour are searched for other values: beyond it the number of answers grows
 #: more than their use.
-ASKED = 20_000
+SEARCHED = 20_000
 #: In so many blocks every digit is tried.
 DIGITS = 500
 #: A size that is solved for is rounded: so many neighbours are tried on either side.
@@ -60,8 +60,8 @@ class Open(NamedTuple):
     leads: Ints | None = None
 
     @property
-    def asked(self) -> Ints:
-        """Rows of the blocks of which another value would make up for the gap."""
+    def searched_rows(self) -> Ints:
+        """Rows of the blocks in which another value would make up for the gap."""
         return self.rows[self.first : self.last] if self.leads is None else self.leads
 
 
@@ -80,13 +80,13 @@ class Change(NamedTuple):
         return f"{value} instead of {self.now} at block {self.row + 1}"
 
     @property
-    def rank(self) -> tuple[int, bool, int, int]:
+    def rank(self) -> tuple[int, bool, int, int, str]:
         """Fewest characters first: a slip of the finger changes, adds or drops one.
 
-        Then J and G before X and Y, of which many do as well.
+        Then J and G before X and Y, many of which do as well.
         """
         by = abs(int(self.then) - int(self.now)) if self.field in ("X", "Y", "J") else 0
-        return _slips(self.now, self.then), self.field in ("X", "Y"), by, self.row
+        return _slips(self.now, self.then), self.field in ("X", "Y"), by, self.row, self.field
 
 
 def _slips(a: str, b: str) -> int:
@@ -132,7 +132,7 @@ def not_closed(
             continue
         if textbook and np.hypot(*one.gap) <= RECOMPUTED:
             continue
-        if len(findings) == LISTED:
+        if len(findings) == MOST_LISTED:
             more += 1
             continue
         row = int(one.rows[one.last - 1])
@@ -171,15 +171,15 @@ def not_closed(
 
 def _in_words(changes: Sequence[Change]) -> str:
     """Return the changes that would close a contour, the likeliest first."""
-    text = "; or ".join(change.text for change in changes[:LISTED])
-    more = len(changes) - LISTED
+    text = "; or ".join(change.text for change in changes[:MOST_LISTED])
+    more = len(changes) - MOST_LISTED
     return f"{text}; and {more} more" if more > 0 else text
 
 
 def open_contours(way: Walk) -> Iterator[Open]:
     """Yield the contours that do not close, of those between two threadings of the wire."""
     held: list[Ints] = []
-    for run in runs(way):
+    for run in stretches(way):
         if held and not run.joined:
             yield from _open(way, np.concatenate(held))
             held = []
@@ -242,8 +242,8 @@ def _back(way: Walk, rows: Ints, ways: Ints, k: int) -> bool:
 
 def closing_changes(way: Walk, one: Open, quadrant: Quadrant) -> list[Change]:
     """Return the values that would close a contour, one at a time, the likeliest first."""
-    rows = one.asked
-    if len(rows) > ASKED:
+    rows = one.searched_rows
+    if len(rows) > SEARCHED:
         return []
     wanted = way.end[rows] - way.start[rows] - np.array(one.gap)
     tried = [*_counts(way, rows, wanted), *_sizes(way, rows, wanted), *_signs(way, rows)]

@@ -12,8 +12,8 @@ from wedmcam.ir.plan import Cut
 from wedmcam.ir.program import Kind
 from wedmcam.judge.followed import Followed, last_row, places
 from wedmcam.judge.measured import Measured
-from wedmcam.judge.runs import Assigned, span_of
 from wedmcam.judge.segments import Floats, Ints
+from wedmcam.judge.stretches import Assigned, span_of
 from wedmcam.judge.track import LOST
 from wedmcam.judge.walk import Walk
 

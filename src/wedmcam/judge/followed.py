@@ -14,8 +14,8 @@ from wedmcam.ir.program import Program, Role
 from wedmcam.judge.clearance import as_left
 from wedmcam.judge.material import Kept, kept_material
 from wedmcam.judge.route import Route, plan_route
-from wedmcam.judge.runs import Assigned, assign, per_mm, place, runs, span_of
 from wedmcam.judge.segments import Bools, Floats, Ints, points_at
+from wedmcam.judge.stretches import Assigned, assign, per_mm, place, span_of, stretches
 from wedmcam.judge.survey import Survey, survey
 from wedmcam.judge.track import Track, track
 from wedmcam.judge.verdict import Count
@@ -122,9 +122,9 @@ class Followed:
         """Return a place for a finding, from coordinates in steps."""
         return place(x, y, self.per)
 
-    def surveyed(self, kept: Kept | None) -> Survey:
+    def survey_with(self, kept: Kept | None) -> Survey:
         """Return the extremes of all rows with a piece of material being kept."""
-        return _surveyed(
+        return _survey(
             self.way, self.index, self.track, self.done, self.lead, self.route, kept, self.terms
         )
 
@@ -141,7 +141,7 @@ def follow(
         count: see `judge.judge`.
     """
     if terms.strict_order:
-        assigned, found = assign(program, runs(way), plan.cuts)
+        assigned, found = assign(program, stretches(way), plan.cuts)
         if not assigned:
             return None, found
         cuts = [plan.cuts[a.cut] for a in assigned]
@@ -157,7 +157,7 @@ def follow(
         backwards = matched.backwards
     index = np.concatenate([a.index for a in assigned])
     cut_of = np.repeat(np.arange(len(assigned)), [len(a.index) for a in assigned])
-    t = tracked(way, route, assigned)
+    t = track_cuts(way, route, assigned)
     done = ~np.isnan(t.high)
     closed = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
     held = []
@@ -168,7 +168,7 @@ def follow(
     role = _roles(route, t)
     lead = np.zeros(len(index), bool)
     lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)
-    m = _surveyed(way, index, t, done, lead, route, held[0].kept if held else None, terms)
+    m = _survey(way, index, t, done, lead, route, held[0].kept if held else None, terms)
     deviation = np.full(len(index), np.nan)
     deviation[done] = m.deviation
     first = np.searchsorted(cut_of, np.arange(len(assigned) + 1))
@@ -197,7 +197,7 @@ def follow(
     )
 
 
-def _surveyed(
+def _survey(
     way: Walk,
     index: Ints,
     t: Track,
@@ -220,7 +220,7 @@ def _surveyed(
     )
 
 
-def tracked(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:
+def track_cuts(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:
     """Return where on the route all blocks of all cuts begin and end."""
     count = np.array([len(a.index) for a in assigned])
     index = np.concatenate([a.index for a in assigned])

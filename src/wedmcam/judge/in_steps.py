@@ -62,8 +62,8 @@ def in_steps(plan: Plan, step_um: float) -> Plan:
     )
 
 
-def told_in_um(v: Verdict, step_um: float) -> Verdict:
-    """Return a verdict of which the lengths are in um and not in steps; mm are mm already."""
+def verdict_in_um(v: Verdict, step_um: float) -> Verdict:
+    """Return a verdict whose lengths are in um and not in steps; mm are mm already."""
     if step_um == 1:
         return v
 

@@ -36,7 +36,7 @@ from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.conclusion import verdict_of, verdict_of_nothing
 from wedmcam.judge.ends import closes, moves_on
 from wedmcam.judge.followed import OURS, Followed, Terms, follow
-from wedmcam.judge.in_steps import in_steps, told_in_um
+from wedmcam.judge.in_steps import in_steps, verdict_in_um
 from wedmcam.judge.keeping import keeps_the_part
 from wedmcam.judge.leads import meet_no_cut
 from wedmcam.judge.measured import Measured
@@ -79,12 +79,12 @@ def judge(
     way = walk(program, stepping, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps, free_moves)
     plan = in_steps(plan, program.step_um)
-    verdict, found = _judged(program, plan, terms, way, count)
-    verdict = told_in_um(verdict, program.step_um)
+    verdict, found = _judge(program, plan, terms, way, count)
+    verdict = verdict_in_um(verdict, program.step_um)
     findings.extend(found)
     if count == "textbook":
-        stepped, _ = _judged(program, plan, terms, walk(program, stepping), "exact")
-        stepped = told_in_um(stepped, program.step_um)
+        stepped, _ = _judge(program, plan, terms, walk(program, stepping), "exact")
+        stepped = verdict_in_um(stepped, program.step_um)
         verdict = replace(
             verdict,
             stepped_closure_um=stepped.closure_um,
@@ -112,7 +112,7 @@ def _stepped_differs(stepped: Verdict) -> Diagnostic:
     )
 
 
-def _judged(
+def _judge(
     program: Program, plan: Plan, terms: Terms, way: Walk, count: Count
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge what one machine does; all lengths in its steps."""
@@ -126,9 +126,9 @@ def _judged(
     measured = [measure(followed) for measure in WAY]
     findings += [d for m in measured for d in m.findings]
     if terms.strict_order and has_errors(findings):
-        from wedmcam.judge.match import repeated
+        from wedmcam.judge.match import repeated_cuts
 
-        findings += repeated(way, program, plan)
+        findings += repeated_cuts(way, program, plan)
     material = keeps_the_part(followed)
     findings += material.findings
     closures = [c for m in measured for c in m.closures]

@@ -10,7 +10,7 @@ from wedmcam.judge.beside import entered
 from wedmcam.judge.followed import Followed, Held
 from wedmcam.judge.material import coverage, wrong_side
 from wedmcam.judge.measured import Measured
-from wedmcam.judge.runs import span_of
+from wedmcam.judge.stretches import span_of
 from wedmcam.judge.survey import Survey
 
 
@@ -19,7 +19,7 @@ def keeps_the_part(f: Followed) -> Measured:
     findings: list[Diagnostic] = []
     gouge, uncut = None, None
     for held in f.held:
-        m = f.survey if held is f.held[0] else f.surveyed(held.kept)
+        m = f.survey if held is f.held[0] else f.survey_with(held.kept)
         deep = _gouge(findings, f, held, m)
         gouge = max(deep, gouge or 0.0)
         left = _coverage(findings, f, held.material)

@@ -20,7 +20,6 @@ from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.route import Route, assemble, overcut
-from wedmcam.judge.runs import SOME_CONTOURS, Assigned, per_mm, place, runs, span_of
 from wedmcam.judge.segments import (
     Floats,
     Ints,
@@ -34,6 +33,7 @@ from wedmcam.judge.segments import (
     segments,
     sub_segments,
 )
+from wedmcam.judge.stretches import SOME_CONTOURS, Assigned, per_mm, place, span_of, stretches
 from wedmcam.judge.track import LOST, progress
 from wedmcam.judge.walk import Walk
 
@@ -43,8 +43,8 @@ SAME_BOX = LOST
 #: Ways in and out are the same within this, um: ends are rounded, and a stair has no length.
 SAME_LEAD = 5.0
 
-#: So many ways in and out are told one by one.
-LISTED = 10
+#: So many ways in and out are listed one by one.
+LEADS_LISTED = 10
 
 #: A contour begins within so many blocks of a piece, and ends at one of so many returns.
 EARLY = 6
@@ -101,7 +101,7 @@ def pieces(way: Walk) -> list[Piece]:
     held: list[Ints] = []
     pauses: list[int] = []
     start = end = (0, 0)
-    for run in runs(way):
+    for run in stretches(way):
         if held and (not run.joined or end == start):
             out += _passes(way, np.concatenate(held), tuple(pauses))
             held, pauses = [], []
@@ -208,7 +208,7 @@ def _runs_on(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece | None:
 
 
 def _cut_out(way: Walk, index: Ints, pauses: tuple[int, ...], first: int, last: int) -> Piece:
-    """Return blocks of which ``first`` to ``last`` are the contour."""
+    """Return blocks whose contour is ``first`` to ``last``."""
     ends = np.concatenate([way.start[index[:1]], way.end[index]])
     room = RECOMPUTED if way.textbook else 0.0
 
@@ -323,10 +323,10 @@ def match(way: Walk, program: Program, plan: Plan) -> tuple[Match | None, list[D
         return None, findings
     assigned: list[Assigned] = []
     backwards: list[bool] = []
-    stretches: list[tuple[Segments, Role, int]] = []
+    parts: list[tuple[Segments, Role, int]] = []
     for number, (piece, k) in enumerate(held):
         path, back = _as_run(way, piece, plan.cuts[k])
-        stretches += [(s, role, number) for s, role in _route_of(way, piece, path)]
+        parts += [(s, role, number) for s, role in _route_of(way, piece, path)]
         closing = piece.last - 1 if piece.past else -1
         assigned.append(Assigned(k, piece.index, piece.pauses, closing))
         backwards.append(back)
@@ -334,9 +334,9 @@ def match(way: Walk, program: Program, plan: Plan) -> tuple[Match | None, list[D
     findings += _other_leads(way, program, plan, held)
     cuts = [plan.cuts[a.cut] for a in assigned]
     route = assemble(
-        join(s for s, _, _ in stretches),
-        np.concatenate([np.full(len(s), int(role)) for s, role, _ in stretches]),
-        np.concatenate([np.full(len(s), number) for s, _, number in stretches]),
+        join(s for s, _, _ in parts),
+        np.concatenate([np.full(len(s), int(role)) for s, role, _ in parts]),
+        np.concatenate([np.full(len(s), number) for s, _, number in parts]),
         np.array([c.path.closed for c in cuts]),
         way.start[[int(a.index[0]) for a in assigned]],
     )
@@ -350,7 +350,7 @@ def _pieces_of_cuts(
     findings: list[Diagnostic] = []
     runs_of: Counter[int] = Counter()
     held = []
-    for piece, k in paired(way, plan):
+    for piece, k in pair_with_cuts(way, plan):
         if k < 0:
             findings.append(_stranger(way, program, piece))
             continue
@@ -475,12 +475,12 @@ def _other_leads(
                     planned_mm=back / per,
                 )
             )
-    more = len(notes) - LISTED
+    more = len(notes) - LEADS_LISTED
     if more > 1:
         rest = note(
             "other-leads", "and {count} more ways in and out are not the plan's", count=more
         )
-        return [*notes[:LISTED], rest]
+        return [*notes[:LEADS_LISTED], rest]
     return notes
 
 
@@ -525,7 +525,7 @@ def _other_way_in(
     return d
 
 
-def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
+def pair_with_cuts(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
     """Return the pieces of a program, each with the number (from 0) of its cut; -1 for none.
 
     A piece that lies where no cut is left, but one was, is that cut once more.
@@ -574,11 +574,11 @@ def lies_on(
     return best
 
 
-def repeated(way: Walk, program: Program, plan: Plan) -> list[Diagnostic]:
+def repeated_cuts(way: Walk, program: Program, plan: Plan) -> list[Diagnostic]:
     """Return an error for each cut of the plan that a program runs again."""
     runs_of: Counter[int] = Counter()
     findings = []
-    for piece, k in paired(way, plan):
+    for piece, k in pair_with_cuts(way, plan):
         more = piece.again + bool(runs_of[k])
         runs_of[k] += piece.again + 1
         if k >= 0 and more:
@@ -650,10 +650,10 @@ def _as_run(way: Walk, piece: Piece, cut: Cut) -> tuple[Segments, bool]:
         back = bool(np.hypot(path.bx[-1] - begin[0], path.by[-1] - begin[1]) < to_start)
         return (reverse(path) if back else path), back
     back = (path_area(path) > 0) != (piece.area > 0)
-    return begun(reverse(path) if back else path, begin[0], begin[1]), back
+    return begin_at(reverse(path) if back else path, begin[0], begin[1]), back
 
 
-def begun(path: Segments, x: float, y: float) -> Segments:
+def begin_at(path: Segments, x: float, y: float) -> Segments:
     """Return a closed path begun at its point nearest to (x, y)."""
     px, py = np.full(len(path), x), np.full(len(path), y)
     k = int(np.argmin(point_distance(path, px, py)))

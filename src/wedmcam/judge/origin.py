@@ -1,4 +1,4 @@
-"""Where a program starts in the drawing, when nobody says it: a whole-um translation is fitted.
+"""Where a program starts in the drawing, when it is not stated: a whole-um translation is fitted.
 
 A program states only increments. Its contours have the planned contours' sizes and places relative
 to each other, so the boxes give the translation to a micron or two, and the least sum of squared
@@ -19,8 +19,8 @@ from wedmcam.ir.program import Program
 from wedmcam.judge.in_steps import in_steps
 from wedmcam.judge.match import Piece, lies_on, path_box, pieces
 from wedmcam.judge.route import of_contours
-from wedmcam.judge.runs import per_mm, place
 from wedmcam.judge.segments import Floats, nearest
+from wedmcam.judge.stretches import per_mm, place
 from wedmcam.judge.track import LOST
 from wedmcam.judge.walk import Walk, walk
 

@@ -1,7 +1,7 @@
-"""A decoded program parted into runs: cutting blocks with nothing between them.
+"""A decoded program parted into stretches: cutting blocks with nothing between them.
 
-A program knows no roles and no cut numbers, only blocks and control records; which run is which
-cut follows from the order and from where the wire is threaded.
+A program knows no roles and no cut numbers, only blocks and control records; which stretch is
+which cut follows from the order and from where the wire is threaded.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B sa
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
+class Stretch:
     """Cutting blocks without a control record or a move between them.
 
     Attributes:
         index: rows of the program, in order.
         start: where the wire is before the first, um.
         end: where it is after the last.
-        joined: the run before ends in a pause only, so this may go on with the same contour.
+        joined: the stretch before ends in a pause only, so this may go on with the same contour.
     """
 
     index: Ints
@@ -77,13 +77,13 @@ def span_of(program: Program, row: int) -> Span | None:
     return program.sources[source] if 0 <= source < len(program.sources) else None
 
 
-def runs(walk: Walk) -> list[Run]:
+def stretches(walk: Walk) -> list[Stretch]:
     """Part the program. Unknown words do not part it; blocks without a step are left out."""
     kind = walk.blocks["kind"]
     control = ~walk.cutting & (kind != Kind.WORD)
     group = np.cumsum(control)
     rows = np.flatnonzero(walk.cutting & (walk.steps > 0))
-    found: list[Run] = []
+    found: list[Stretch] = []
     if not len(rows):
         return found
     edges = np.flatnonzero(np.diff(group[rows])) + 1
@@ -95,21 +95,25 @@ def runs(walk: Walk) -> list[Run]:
             between = between[(between != Kind.WORD) & (between != Kind.LINE)]
             joined = bool((between == Kind.PAUSE).all())
         start, end = walk.start[first], walk.end[last]
-        found.append(Run(part, (int(start[0]), int(start[1])), (int(end[0]), int(end[1])), joined))
+        found.append(
+            Stretch(part, (int(start[0]), int(start[1])), (int(end[0]), int(end[1])), joined)
+        )
     return found
 
 
 def assign(
-    program: Program, found: list[Run], cuts: tuple[Cut, ...]
+    program: Program, found: list[Stretch], cuts: tuple[Cut, ...]
 ) -> tuple[list[Assigned], list[Diagnostic]]:
-    """Give each planned cut its runs, in the plan's order; report what is too many or too few."""
+    """Give each planned cut its stretches, in the plan's order; report too many and too few."""
     out: list[Assigned] = []
     findings: list[Diagnostic] = []
     r = c = 0
     while r < len(found) and c < len(cuts):
-        run, cut = found[r], cuts[c]
-        if run.start != cut.thread:
-            later = next((k for k in range(c + 1, len(cuts)) if cuts[k].thread == run.start), None)
+        stretch, cut = found[r], cuts[c]
+        if stretch.start != cut.thread:
+            later = next(
+                (k for k in range(c + 1, len(cuts)) if cuts[k].thread == stretch.start), None
+            )
             ahead = next(
                 (k for k in range(r + 1, len(found)) if found[k].start == cut.thread), None
             )
@@ -121,9 +125,9 @@ def assign(
                 findings.extend(_extra(program, found[k]) for k in range(r, ahead))
                 r = ahead
                 continue
-            findings.append(_thread(program, run, cut, c))
+            findings.append(_thread(program, stretch, cut, c))
         pauses: list[int] = []
-        index, end = [run.index], run.end
+        index, end = [stretch.index], stretch.end
         r += 1
         while (
             r < len(found)
@@ -142,14 +146,14 @@ def assign(
 
 
 def _goes_on(
-    cut: Cut, end: tuple[int, int], paused: int, run: Run, cuts: tuple[Cut, ...], c: int
+    cut: Cut, end: tuple[int, int], paused: int, stretch: Stretch, cuts: tuple[Cut, ...], c: int
 ) -> bool:
-    """Return whether a run after a pause goes on with the same cut."""
+    """Return whether a stretch after a pause goes on with the same cut."""
     if cut.path.closed:
         return end != cut.thread
     if cut.stop_um > 0 and not paused:
         return True
-    return c + 1 >= len(cuts) or cuts[c + 1].thread != run.start
+    return c + 1 >= len(cuts) or cuts[c + 1].thread != stretch.start
 
 
 def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
@@ -164,9 +168,9 @@ def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
     )
 
 
-def _extra(program: Program, run: Run) -> Diagnostic:
-    first = int(run.index[0])
-    start = place(*run.start, per_mm(program))
+def _extra(program: Program, stretch: Stretch) -> Diagnostic:
+    first = int(stretch.index[0])
+    start = place(*stretch.start, per_mm(program))
     return error(
         "extra-cut",
         "blocks {first} to {last} cut from {start} on; no contour is left for them",
@@ -174,15 +178,15 @@ def _extra(program: Program, run: Run) -> Diagnostic:
         hint=SOME_CONTOURS,
         points_mm=(start,),
         first=first + 1,
-        last=int(run.index[-1]) + 1,
+        last=int(stretch.index[-1]) + 1,
         start=start,
     )
 
 
-def _thread(program: Program, run: Run, cut: Cut, number: int) -> Diagnostic:
+def _thread(program: Program, stretch: Stretch, cut: Cut, number: int) -> Diagnostic:
     per = per_mm(program)
-    first = int(run.index[0])
-    start = place(*run.start, per)
+    first = int(stretch.index[0])
+    start = place(*stretch.start, per)
     return error(
         "thread-point",
         "block {block} starts cut {cut} at {start}, {off_mm:.3f} mm from its thread point {thread}",
@@ -191,6 +195,6 @@ def _thread(program: Program, run: Run, cut: Cut, number: int) -> Diagnostic:
         block=first + 1,
         cut=number + 1,
         start=start,
-        off_mm=np.hypot(run.start[0] - cut.thread[0], run.start[1] - cut.thread[1]) / per,
+        off_mm=np.hypot(stretch.start[0] - cut.thread[0], stretch.start[1] - cut.thread[1]) / per,
         thread=place(*cut.thread, per),
     )

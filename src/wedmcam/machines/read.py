@@ -1,6 +1,6 @@
 """Read a profile: TOML text in, `Machine` and findings out.
 
-A key that nobody reads is an error and not a comment: a misspelt limit would otherwise be no limit.
+A key that is not read is an error and not a comment: a misspelt limit would otherwise be no limit.
 """
 
 from __future__ import annotations

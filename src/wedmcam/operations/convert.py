@@ -46,7 +46,7 @@ TRIES = 40
 #: Outputs that are no program format -> "module:function"; named and not imported.
 OUTPUTS: dict[str, str] = {
     "svg": "wedmcam.operations.convert:as_svg",
-    "dxf": "wedmcam.backends.dxf:converted",
+    "dxf": "wedmcam.backends.dxf:convert",
     "wed": "wedmcam.operations.convert:as_wed",
 }
 #: Endings of their names.
@@ -304,12 +304,12 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     program (rotation, compensation) for the ZD-065's own. An arc that comes out too far from what
     the first program steps is written in more parts.
     """
-    from wedmcam.backends.wed import ANY_PATH, hindrance, source, trimmed
+    from wedmcam.backends.wed import ANY_PATH, hindrance, source, trim
     from wedmcam.judge.difference import difference
 
     own = target_of(machine).own_path
     steppings = machine.stepping, own.stepping
-    program, left_out = trimmed(program)
+    program, left_out = trim(program)
     pieces = np.ones(len(program.blocks), np.int64)
     for attempt in range(TRIES + 1):
         last = attempt == TRIES

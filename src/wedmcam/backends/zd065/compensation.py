@@ -18,10 +18,9 @@ from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import GAPPED, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensated
 from wedmcam.diag import Diagnostic, Severity, has_errors
-from wedmcam.formats import compensation as gap
-from wedmcam.formats import lines
+from wedmcam.formats import compensation, lines
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
 
@@ -41,7 +40,7 @@ def encode(
     outwards: bool = True,
     grown: NDArray[np.integer[Any]] | None = None,
 ) -> tuple[bytes, list[Diagnostic]]:
-    """Return the compensation data of which the controller makes this program.
+    """Return the compensation data that the controller makes this program of.
 
     Args:
         program: the offset path, blocks as for the cutting format.
@@ -60,15 +59,17 @@ def encode(
     if has_errors(found):
         return b"", found
     checks = Checks(program)
-    figure = stated(program, machine, checks, gap_um, outwards, grown, gap.MOST_GAP_UM, "compact")
+    figure = outline_of(
+        program, machine, checks, gap_um, outwards, grown, compensation.MOST_GAP_UM, "compact"
+    )
     found += checks.found
     if figure is None:
         return b"", found
-    memory = _written(figure)
+    memory = _memory_of(figure)
     return memory.data.tobytes(), [*found, *memory.too_large(machine)]
 
 
-def stated(
+def outline_of(
     program: Program,
     machine: Machine,
     checks: Checks,
@@ -78,7 +79,7 @@ def stated(
     most_um: int,
     instead: str,
 ) -> NDArray[np.void] | None:
-    """Return the outline that a file states, dtype `GAPPED`; None where it cannot, as checked.
+    """Return the outline that a file states, dtype `OUTLINE`; None where it cannot, as checked.
 
     Args:
         program: the offset path.
@@ -129,7 +130,7 @@ def stated(
 
 
 def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) -> NDArray[np.void]:
-    """Return blocks of an outline (dtype `GAPPED`) that the gap makes into ``blocks``, or nearly.
+    """Return blocks of an outline (dtype `OUTLINE`) that the gap makes into ``blocks``, or nearly.
 
     Args:
         blocks: dtype `BLOCK`.
@@ -142,7 +143,7 @@ def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) 
     straight = (blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.MOVE)
     x, y, count = (blocks[k].astype(np.int64) for k in ("x", "y", "count"))
     lx, ly, _ = lines.full(x, y, blocks["axis"], count)
-    figure = np.zeros(n, dtype=GAPPED)
+    figure = np.zeros(n, dtype=OUTLINE)
     figure["kind"], figure["turn"] = blocks["kind"], np.where(arc, blocks["turn"], 0)
     figure["axis"] = np.where(arc, blocks["axis"], 0)
     figure["grows"] = np.where(arc, grown * (1 if outwards else -1), 0)
@@ -274,11 +275,11 @@ def closed(
     return figure, lost
 
 
-def _written(figure: NDArray[np.void]) -> Memory:
+def _memory_of(figure: NDArray[np.void]) -> Memory:
     """Return the data of a figure."""
-    memory = Memory(figure["kind"], figure["turn"], figure["x"], figure["y"], gap.LENGTH)
+    memory = Memory(figure["kind"], figure["turn"], figure["x"], figure["y"], compensation.LENGTH)
     arc, straight = memory.arc, memory.straight
-    types = np.where(figure["grows"] > 0, gap.GROWS, gap.SHRINKS).astype(np.uint8)
+    types = np.where(figure["grows"] > 0, compensation.GROWS, compensation.SHRINKS).astype(np.uint8)
     memory.data[memory.at[arc] + 1] = types[arc]
     memory.put(arc, 2, 4, figure["radius"])
     memory.put(arc, 6, 4, figure["x"])

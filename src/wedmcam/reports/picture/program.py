@@ -330,7 +330,7 @@ def _part(
             left, low = number(box[0] - air), number(box[1] - air)
             right, high = number(box[2] + air), number(box[3] + air)
             around = f"M{left} {low}H{right}V{high}H{left}Z"
-        # One path is both hatched and outlined, unless the hatching has an edge nobody drew.
+        # One path is both hatched and outlined, unless the hatching has an edge that was not drawn.
         both = "" if around else f" {lines}"
         sheet.draw(
             f'<path id="kept-material" d="{around}{closed}" fill="url(#kept)" {_EVENODD}{both}/>'

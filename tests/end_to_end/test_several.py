@@ -34,13 +34,13 @@ def test_every_format_of_a_sample_is_the_same_path(sample):
     assert made.ok, made.findings
     assert max(made.apart_um) <= 1.0
     # ... and each is what `convert` makes of the first, or steps like it.
-    first = made.made[0]
-    for one in made.made[1:]:
+    first = made.compilations[0]
+    for one in made.compilations[1:]:
         again = conversion.convert(first.data, to=one.machine.format, format="3b")
         assert again.ok
         tables = [m.own_stepping for m in (one.machine, again.machine)]
-        assert difference(one.program, again.made, *tables).equal
-    cuts = {int((m.program.blocks["kind"] == Kind.MOVE).sum()) for m in made.made}
+        assert difference(one.program, again.program_out, *tables).equal
+    cuts = {int((m.program.blocks["kind"] == Kind.MOVE).sum()) for m in made.compilations}
     assert len(cuts) == 1
 
 
@@ -136,17 +136,17 @@ def test_an_outline_in_g41_goes_with_the_path_in_3b(name, profile):
         ROOT / "samples" / f"{name}.dxf", machines, options=Options.of(offset_um=100.0)
     )
     assert both.ok, [d.message for d in both.findings]
-    threads = [[c.thread for c in one.plan.cuts] for one in both.made]
+    threads = [[c.thread for c in one.plan.cuts] for one in both.compilations]
     assert threads[0] == threads[1]
-    for one in both.made:  # the certificate of each says whose starts the plan has
+    for one in both.compilations:  # the certificate of each says whose starts the plan has
         proof = api.verify(
             one.data,
             against=ROOT / "samples" / f"{name}.dxf",
             against_name=one.summary["input"],
             certificate=one.summary,
             options=Options.from_data(one.summary["options"]),
-            name="a.3b" if one is both.made[0] else "a.nc",
+            name="a.3b" if one is both.compilations[0] else "a.nc",
         )
         assert proof.ok, [d.message for d in proof.findings]
-    proofs = sum(one.verdict.max_deviation_um for one in both.made)
+    proofs = sum(one.verdict.max_deviation_um for one in both.compilations)
     assert max(both.apart_um) <= max(1.0, proofs)

@@ -26,7 +26,7 @@ from wedmcam.diag.run import Refused, Run
 from wedmcam.ir.plan import Side
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.in_steps import in_steps
-from wedmcam.judge.match import paired
+from wedmcam.judge.match import pair_with_cuts
 from wedmcam.judge.walk import walk
 from wedmcam.targets import target_of
 
@@ -62,7 +62,7 @@ def leads(made: Any) -> list[Lead]:
     plan = in_steps(made.plan, program.step_um)
     way = walk(program, stepping)
     out = []
-    for piece, k in paired(way, plan):
+    for piece, k in pair_with_cuts(way, plan):
         assert k >= 0
         index, none = piece.index, np.zeros(0, np.int64)
         contour = index[piece.first], index[piece.last - 1]

@@ -26,10 +26,13 @@ from wedmcam.diag import Severity
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.ir.program import Axis, Kind, Program
-from wedmcam.judge.certificate import certificate
+from wedmcam.judge.certificate import CertifiedProgram, CertifiedSource, certificate
+from wedmcam.judge.followed import Terms
 from wedmcam.judge.judge import judge
 from wedmcam.judge.origin import fit
 
+#: A program from elsewhere has an order and leads of its own.
+FOREIGN = Terms(strict_order=False)
 T = of_table("rotate")
 
 
@@ -49,7 +52,7 @@ def test_origin_is_fitted_to_the_micron(plan):
     assert fitted is not None
     assert fitted.origin == program.origin
     assert [f.code for f in findings] == ["origin-fitted"]
-    verdict, found = judge(fitted, plan, stepping=T, strict_order=False)
+    verdict, found = judge(fitted, plan, stepping=T, terms=FOREIGN)
     assert verdict.ok, found
 
 
@@ -103,7 +106,7 @@ def other_way_round():
 
 def test_other_order_sense_start_and_leads_are_notes():
     plan, program = part_with_hole(), other_way_round()
-    verdict, findings = judge(program, plan, stepping=T, strict_order=False)
+    verdict, findings = judge(program, plan, stepping=T, terms=FOREIGN)
     assert verdict.ok, findings
     assert {f.code for f in findings} == {"other-order", "other-leads"}
     assert {f.severity for f in findings} == {Severity.NOTE}
@@ -135,7 +138,7 @@ def test_forgeries_are_refused_there_too(row):
         return np.delete(b, row)
 
     for change in (turned, longer, missing):
-        verdict, findings = judge(edited(program, change), plan, stepping=T, strict_order=False)
+        verdict, findings = judge(edited(program, change), plan, stepping=T, terms=FOREIGN)
         assert not verdict.ok
         assert codes(findings)
 
@@ -144,9 +147,7 @@ def test_overcut_and_the_way_back_on_it_are_leads():
     plan = square_plan()
     body = lower(plan).blocks[:-2]
     back = np.concatenate([body, line(1000, 0), line(-1000, 0), line(0, -900), control(Kind.STOP)])
-    verdict, findings = judge(
-        Program(back, plan.cuts[0].thread), plan, stepping=T, strict_order=False
-    )
+    verdict, findings = judge(Program(back, plan.cuts[0].thread), plan, stepping=T, terms=FOREIGN)
     assert verdict.ok, findings
     # From the start of a corner arc: over the arc and back on it.
     v = np.roll(plan.cuts[0].path.vertices[:-1], -1)
@@ -160,7 +161,7 @@ def test_overcut_and_the_way_back_on_it_are_leads():
     over.append(arc_to((10100, 0), (10000, -100), (10000, 0), -1))
     program = Program(np.concatenate([rows[:-2], *over, rows[-2:]]), (10000, -1000))
     for asked in (round_, plan):
-        verdict, findings = judge(program, asked, stepping=T, strict_order=False)
+        verdict, findings = judge(program, asked, stepping=T, terms=FOREIGN)
         assert verdict.ok, findings
         assert verdict.closure_um == 0
 
@@ -176,10 +177,10 @@ def test_lead_through_the_part_and_missing_hole_are_refused_there_too():
     blocks["count"][11] = max(abs(blocks["x"][11]), abs(blocks["y"][11]))
     blocks["axis"][11] = Axis.Y
     forged = Program(blocks, (1000, 10000))
-    verdict, findings = judge(forged, plan, stepping=T, strict_order=False)
+    verdict, findings = judge(forged, plan, stepping=T, terms=FOREIGN)
     assert "gouge" in codes(findings)
     only = Program(program.blocks[:10].copy(), program.origin)
-    verdict, findings = judge(only, plan, stepping=T, strict_order=False)
+    verdict, findings = judge(only, plan, stepping=T, terms=FOREIGN)
     assert {"missing-cut", "missing-piece"} <= codes(findings)
     assert verdict.contours == 1
 
@@ -233,14 +234,9 @@ def test_certificate_is_plain_and_the_same_every_time():
             certificate(
                 verdict,
                 findings,
-                input_name="part.dxf",
-                output_name="part.3b",
-                format_name="3b",
-                units="mm",
-                input_bytes=b"abc",
-                output_bytes=b"",
+                CertifiedSource("part.dxf", b"abc", "mm", join_um=0.4),
+                CertifiedProgram("part.3b", b"", "3b"),
                 options={"side": "part", "offset": "0.1mm"},
-                join_um=0.4,
             ),
             indent=1,
         )
@@ -268,12 +264,8 @@ def test_certificate_of_a_refused_program_is_plain_too():
     data = certificate(
         verdict,
         findings,
-        input_name="a",
-        output_name="b",
-        format_name="3b",
-        units="mm",
-        input_bytes=b"",
-        output_bytes=b"",
+        CertifiedSource("a", b"", "mm"),
+        CertifiedProgram("b", b"", "3b"),
     )
     text = json.dumps(data, allow_nan=False)
     assert json.loads(text)["ok"] is False

@@ -12,10 +12,10 @@ from wedmcam.ir.plan import Cut, Side
 from wedmcam.judge import survey as survey_module
 from wedmcam.judge.bounds import bound
 from wedmcam.judge.deviation import measure
-from wedmcam.judge.followed import tracked as follow_blocks
+from wedmcam.judge.followed import track_cuts
 from wedmcam.judge.judge import judge
 from wedmcam.judge.route import plan_route
-from wedmcam.judge.runs import assign, runs
+from wedmcam.judge.stretches import assign, stretches
 from wedmcam.judge.walk import walk
 
 PLANS = {
@@ -36,11 +36,11 @@ PLANS = {
 
 def tracked(plan, program, table):
     way = walk(program, of_table(table))
-    assigned, _ = assign(program, runs(way), plan.cuts)
+    assigned, _ = assign(program, stretches(way), plan.cuts)
     cuts = [plan.cuts[a.cut] for a in assigned]
     route = plan_route(cuts)
     index = np.concatenate([a.index for a in assigned])
-    t = follow_blocks(way, route, assigned)
+    t = track_cuts(way, route, assigned)
     done = ~np.isnan(t.high)
     return way, index[done], t.low[done], t.high[done], route
 

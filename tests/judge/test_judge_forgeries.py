@@ -30,9 +30,13 @@ from wedmcam.controllers.pointwise import LineTable, of_table
 from wedmcam.diag import Severity, TextSpan
 from wedmcam.ir.plan import Cut, Side
 from wedmcam.ir.program import Axis, Kind, Program
+from wedmcam.judge.followed import Terms
 from wedmcam.judge.judge import judge
 
 TABLES = list(LineTable)
+
+#: A program from elsewhere has an order and leads of its own; a plan may leave out what is narrow.
+FOREIGN, TRIMMED = Terms(strict_order=False), Terms(trimmed=True)
 
 
 def refuse(program, plan, table=LineTable.ROTATE, **more):
@@ -291,7 +295,7 @@ def test_a_side_of_the_outline_left_out_of_the_plan():
     wide = replace(plan, cuts=(replace(plan.cuts[0], path=type(plan.cuts[0].path)(v, True)),))
     errors = refuse(lower(wide), wide)
     assert "% of its segments" in errors["missing-piece"]
-    verdict, findings = judge(lower(wide), wide, stepping=of_table(LineTable.ROTATE), trimmed=True)
+    verdict, findings = judge(lower(wide), wide, stepping=of_table(LineTable.ROTATE), terms=TRIMMED)
     assert verdict.ok
     assert {f.code for f in findings} == {"missing-piece"}
 
@@ -326,7 +330,10 @@ def test_a_move_behind_the_last_cut():
     errors = refuse(replace(program, blocks=more), plan)
     assert "does not end where the plan ends" in errors["thread-point"]
     verdict, findings = judge(
-        replace(program, blocks=more), plan, stepping=of_table(LineTable.ROTATE), strict_order=False
+        replace(program, blocks=more),
+        plan,
+        stepping=of_table(LineTable.ROTATE),
+        terms=FOREIGN,
     )
     assert verdict.ok, findings
 
@@ -338,7 +345,7 @@ def test_lead_across_another_cut():
     plan = one_scene(cuts, two, (0, 0), Side.ON, 0.0)
     errors = refuse(lower(plan), plan)
     assert errors["lead-hits"].startswith("a lead of cut 2 meets cut 1 at (-1.000, 0.000)")
-    verdict, _ = judge(lower(plan), plan, stepping=of_table(LineTable.ROTATE), strict_order=False)
+    verdict, _ = judge(lower(plan), plan, stepping=of_table(LineTable.ROTATE), terms=FOREIGN)
     assert not verdict.ok
 
 
@@ -439,9 +446,7 @@ def test_overcut_and_back_in_its_kerf():
     # Straight out is not the plan's lead, though a program from elsewhere may have it.
     straight = replace(program, blocks=out)
     assert refuse(straight, plan)
-    verdict, findings = judge(
-        straight, plan, stepping=of_table(LineTable.ROTATE), strict_order=False
-    )
+    verdict, findings = judge(straight, plan, stepping=of_table(LineTable.ROTATE), terms=FOREIGN)
     assert verdict.ok, findings
 
 

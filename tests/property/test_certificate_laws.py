@@ -119,8 +119,8 @@ def test_of_several_formats_at_once_each_holds(formats):
         machines.default(f) if f in machines.DEFAULTS else machines.builtin(f) for f in formats
     ]
     made = compile_several(drawing, every, options=api.options_in_mm(offset=0.1, corner=0.2))
-    assert made.made[0].ok
-    for one in made.made:
+    assert made.compilations[0].ok
+    for one in made.compilations:
         if one.ok:
             holds(drawing, one, "input")
 

@@ -114,7 +114,7 @@ def test_turns_are_parted():
     made = conversion.convert(b"B2100B0B21000GYNR1 DD", to="iso", format="3b")
     assert made.ok, made.findings
     assert made.difference.largest_um == 0
-    assert int((made.made.blocks["turn"] == 1).sum()) == 5
+    assert int((made.program_out.blocks["turn"] == 1).sum()) == 5
 
 
 @pytest.mark.parametrize("sense", ["NR", "SR"])

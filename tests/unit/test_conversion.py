@@ -58,14 +58,14 @@ def test_an_arc_whose_last_step_does_not_count_on_the_square_ends_in_a_line():
         for g in "XY"
     ]
     assert all(m.ok for m in made)
-    assert any((m.made.blocks["kind"] == Kind.LINE).any() for m in made)
+    assert any((m.program_out.blocks["kind"] == Kind.LINE).any() for m in made)
 
 
 @pytest.mark.parametrize("record", ["B9900B0B100000GYNR1", "B71B70B900GXSR1", "B2100B0B8402GYNR1"])
 def test_more_than_a_turn_stays_one_arc(record):
     made = conversion.convert(f"{record} DD".encode(), to="compact")
     assert made.ok, codes(made)
-    assert (made.made.blocks["kind"] == Kind.ARC).sum() == 1
+    assert (made.program_out.blocks["kind"] == Kind.ARC).sum() == 1
     assert conversion.convert(made.data, to="3b").difference.largest_um == 0
 
 
@@ -107,14 +107,14 @@ def test_moves_and_pauses_stay():
     for kind in (Kind.MOVE, Kind.PAUSE):
         count = int(np.sum(made.program.blocks["kind"] == kind))
         assert count
-        assert int(np.sum(made.made.blocks["kind"] == kind)) == count
+        assert int(np.sum(made.program_out.blocks["kind"] == kind)) == count
 
 
 def test_a_target_can_be_registered(monkeypatch):
     def as_count(program, machine, name):
         return str(len(program.blocks)).encode(), []
 
-    monkeypatch.setitem(conversion.TARGETS, "count", "tests_target:f")
+    monkeypatch.setitem(conversion.OUTPUTS, "count", "tests_target:f")
     monkeypatch.setattr(conversion, "import_module", lambda m: type("M", (), {"f": as_count}))
     made = conversion.convert(b"B17000B5000B17000GXL1 DD", to="count")
     assert made.data == b"2"

@@ -48,7 +48,7 @@ def test_what_is_written_is_read_back_without_a_question(name):
     assert done.ok, [d.message for d in done.findings]
     assert not [d for d in done.findings if d.severity > Severity.NOTE]
     ways = made.machine.stepping, done.machine.stepping
-    assert difference(made.program, done.made, *ways, 1.0).equal
+    assert difference(made.program, done.program_out, *ways, 1.0).equal
 
 
 def test_outlines_state_their_unit_too():

@@ -81,7 +81,7 @@ def test_samples_are_read_as_they_are_written(name):
     done = conversion.convert(one.data, to="3b", profile_in="linuxcnc", name="a.nc")
     assert done.ok, [d.message for d in done.findings]
     ways = done.machine.stepping, other.machine.stepping
-    assert difference(done.made, other.program, *ways, 2.0).equal
+    assert difference(done.program_out, other.program, *ways, 2.0).equal
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -17,7 +17,7 @@ from wedmcam.ir.plan import Cut, Plan, Side
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.reports.picture.program import DETAILED, LABELS, plot, plot_contours
-from wedmcam.reports.picture.sheet import Sheet
+from wedmcam.reports.picture.sheet import Caption, Sheet
 
 NS = {"s": "http://www.w3.org/2000/svg"}
 Made = tuple[Program, np.ndarray, np.ndarray]
@@ -84,7 +84,7 @@ def labels(root: ET.Element) -> list[str]:
 
 
 def test_a_hole_is_drawn_from_its_blocks() -> None:
-    svg = plot(*hole(), plan=hole_plan(), title="hole.dxf", facts={"blocks": "3"})
+    svg = plot(*hole(), plan=hole_plan(), caption=Caption("hole.dxf", {"blocks": "3"}))
     root = tree(svg)
     drawn = blocks_of(root)
     assert sorted(drawn) == [1, 2, 3]
@@ -266,7 +266,7 @@ def test_nothing_to_draw_is_a_sheet_all_the_same() -> None:
 
 def test_text_is_made_safe() -> None:
     odd = 'a<b>&"c"\x07\udcff' + "x" * 200
-    root = tree(plot(*hole(), title=odd, facts={odd: odd}))
+    root = tree(plot(*hole(), caption=Caption(odd, {odd: odd})))
     title = root.find("s:title", NS)
     assert title is not None
     assert (title.text or "").startswith('a<b>&"c"\\x07\\xffxx')

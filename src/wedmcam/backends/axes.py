@@ -78,9 +78,18 @@ def in_frame(encode: Any) -> Any:
     ) -> Any:
         here, there = program.step_um, machine.axes.step_um
         if here != there:
-            what = f"the program counts steps of {here:g} um, {machine.name} steps of {there:g} um"
-            cure = "compile the drawing for it, or convert the program to .dxf and compile that"
-            return b"", [error("other-step", f"{what}: it cannot go the same path", hint=cure)]
+            return b"", [
+                error(
+                    "other-step",
+                    "the program counts steps of {step_um:g} um, {machine} steps of "
+                    "{machine_step_um:g} um: it cannot go the same path",
+                    hint="compile the drawing for it, or convert the program to .dxf and compile "
+                    "that",
+                    step_um=here,
+                    machine=machine.name,
+                    machine_step_um=there,
+                )
+            ]
         if positions is not None:
             more["positions"] = places(positions, machine.axes)
         return encode(to_controller(program, machine.axes), machine, **more)

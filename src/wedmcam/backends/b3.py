@@ -8,15 +8,15 @@ does not fit is refused, and nothing is returned then.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.checks import Checks, ends, travel
-from wedmcam.diag import Diagnostic, Severity, warning
+from wedmcam.backends.checks import Checks, ends, over_memory, travel
+from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import b3, lines, quadrants
-from wedmcam.formats.lengths import mm_of
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Layout, Machine
 
@@ -45,7 +45,7 @@ def encode(
     """
     checks = Checks(program)
     blocks = program.blocks
-    x, y, axis, count = _fields(checks, machine)
+    f = _fields(checks, machine)
     order = _order(checks)
     kinds = np.where(order < 0, np.uint8(Kind.PAUSE), blocks["kind"][order])
     kinds[kinds == Kind.THREAD] = Kind.PAUSE
@@ -56,8 +56,8 @@ def encode(
         Severity.ERROR,
         "lone-line",
         mask,
-        lambda i: "a single line between two pauses would be read as a move",
-        "write the line as two blocks",
+        "block {block}: a single line between two pauses would be read as a move",
+        hint="write the line as two blocks",
     )
     named = dict(program.words)
     controls = _controls(machine)
@@ -68,7 +68,8 @@ def encode(
         Severity.ERROR,
         "not-in-format",
         mask,
-        lambda i: f"'{named[i]}' would not be read as a control word of its own",
+        "block {block}: '{word}' would not be read as a control word of its own",
+        lambda i: {"word": named[i]},
     )
     if not checks.failed:
         checks.found += travel(program, machine)
@@ -76,18 +77,15 @@ def encode(
     stops = np.flatnonzero((kinds == Kind.STOP) | (kinds == Kind.END))
     if not len(stops) or (len(last_cut) and stops[-1] < last_cut[0]):
         order, kinds = np.append(order, -1), np.append(kinds, np.uint8(Kind.STOP))
-    most = machine.limits.blocks
-    if most and len(order) > most:
-        text = f"{len(order)} records; {machine.name} holds {most}: {-(-len(order) // most)} loads"
-        checks.found.append(warning("over-memory", text))
+    checks.found += over_memory(len(order), machine)
     if checks.failed:
         return b"", checks.found
 
     layout = machine.layout
     if layout.end_coordinates and positions is None:
         positions = ends(program, machine)
-    code = b3.instruction(blocks["turn"], quadrants.quadrant(x, y, blocks["turn"]))
-    fields = (abs(x), abs(y), count, axis, code)
+    code = b3.instruction(blocks["turn"], quadrants.quadrant(f.x, f.y, blocks["turn"]))
+    fields = (abs(f.x), abs(f.y), f.count, f.axis, code)
     parts = [b"".join(line.encode(layout.encoding) + _eol(layout) for line in layout.header)]
     for low in range(0, len(order), _PIECE):
         piece = slice(low, low + _PIECE)
@@ -124,113 +122,160 @@ def _order(checks: Checks) -> NDArray[np.int64]:
         Severity.NOTE,
         "pause-added",
         before | after,
-        lambda i: "a move needs a pause before and after it; added",
+        "block {block}: a move needs a pause before and after it; added",
     )
     at = np.arange(len(kinds))
     places = np.concatenate([at[before], at[after] + 1])
     return np.insert(at, np.sort(places), -1)
 
 
-def _fields(
-    checks: Checks, machine: Machine
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint8], NDArray[np.int64]]:
-    """Return x, y (signed), axis and J to write, and report what does not fit."""
-    mm = mm_of(machine.axes.step_um)
-    blocks, limits = checks.program.blocks, machine.limits
+@dataclass(slots=True, eq=False)
+class _Fields:
+    """Numbers of the records to write, one entry a block, steps; 0 where it is no motion.
+
+    Attributes:
+        x, y: signed.
+        axis: on which J counts.
+        count: J.
+        arc, line: which blocks are arcs; lines and moves.
+    """
+
+    x: NDArray[np.int64]
+    y: NDArray[np.int64]
+    axis: NDArray[np.uint8]
+    count: NDArray[np.int64]
+    arc: NDArray[np.bool_]
+    line: NDArray[np.bool_]
+
+
+def _fields(checks: Checks, machine: Machine) -> _Fields:
+    """Return the numbers to write, lines in full and by rule, and report what does not fit."""
+    blocks = checks.program.blocks
     x, y, count, axis = (blocks[k].copy() for k in ("x", "y", "count", "axis"))
     arc = blocks["kind"] == Kind.ARC
     line = (blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.MOVE)
     assert ((blocks["turn"] != 0) == arc).all()
     for values in (x, y, count):
         values[~(arc | line)] = 0
-    err, warn, note = Severity.ERROR, Severity.WARNING, Severity.NOTE
+    f = _Fields(x, y, axis, count, arc, line)
+    _refuse_too_large(checks, machine, f)
+    _refuse_endless(checks, machine, f)
+    exact = _write_full(checks, machine, f)
+    _count_by_rule(checks, machine, f, exact)
+    return f
 
-    largest = np.where(arc, limits.arc_um, limits.line_um)
 
-    def too_large(x: NDArray[np.int64], y: NDArray[np.int64]) -> NDArray[np.bool_]:
-        return (np.abs(x) > largest) | (np.abs(y) > largest)
-
-    def tell_large(mask: NDArray[np.bool_]) -> None:
-        checks.tell(
-            err,
-            "over-limit",
-            mask,
-            lambda i: (
-                f"X, Y are {mm(abs(int(x[i])))}, {mm(abs(int(y[i])))}; "
-                f"the largest of {machine.name} is {mm(int(largest[i]))}"
-            ),
-        )
-
+def _refuse_too_large(checks: Checks, machine: Machine, f: _Fields) -> None:
+    """Report numbers that a field does not hold; they are 1 from there, so that none overflows."""
+    per_mm, limits = 1000.0 / machine.axes.step_um, machine.limits
+    long = f.count > limits.count_um
     checks.tell(
-        err,
+        Severity.ERROR,
         "over-limit",
-        count > limits.count_um,
-        lambda i: (
-            f"J is {mm(int(count[i]))}; the largest of {machine.name} is {mm(limits.count_um)}"
-        ),
+        long,
+        "block {block}: J is {count_mm:.3f} mm; the largest of {machine} is {most_mm:.3f} mm",
+        lambda i: {
+            "count_mm": int(f.count[i]) / per_mm,
+            "machine": machine.name,
+            "most_mm": limits.count_um / per_mm,
+        },
     )
-    wide = too_large(x, y)
-    tell_large(wide)
-    checks.tell(err, "zero-count", (arc | line) & (count <= 0), lambda i: "J is 0")
-    # What was refused must not overflow below.
-    refused = wide | (count > limits.count_um) | (count < 0)
-    x[refused], y[refused], count[refused] = 1, 1, 1
+    wide = _too_wide(checks, machine, f, f.arc | f.line)
     checks.tell(
-        err,
+        Severity.ERROR, "zero-count", (f.arc | f.line) & (f.count <= 0), "block {block}: J is 0"
+    )
+    refused = wide | long | (f.count < 0)
+    f.x[refused], f.y[refused], f.count[refused] = 1, 1, 1
+
+
+def _too_wide(
+    checks: Checks, machine: Machine, f: _Fields, some: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Report and return the blocks, of ``some``, whose x or y are over a limit."""
+    per_mm, limits = 1000.0 / machine.axes.step_um, machine.limits
+    largest = np.where(f.arc, limits.arc_um, limits.line_um)
+    wide: NDArray[np.bool_] = some & ((np.abs(f.x) > largest) | (np.abs(f.y) > largest))
+    checks.tell(
+        Severity.ERROR,
+        "over-limit",
+        wide,
+        "block {block}: X, Y are {x_mm:.3f} mm, {y_mm:.3f} mm; the largest of {machine} is "
+        "{most_mm:.3f} mm",
+        lambda i: {
+            "x_mm": abs(int(f.x[i])) / per_mm,
+            "y_mm": abs(int(f.y[i])) / per_mm,
+            "machine": machine.name,
+            "most_mm": int(largest[i]) / per_mm,
+        },
+    )
+    return wide
+
+
+def _refuse_endless(checks: Checks, machine: Machine, f: _Fields) -> None:
+    """Report blocks that a controller would not end, or would count otherwise."""
+    per_mm = 1000.0 / machine.axes.step_um
+    checks.tell(
+        Severity.ERROR,
         "arc-too-small",
-        arc & (x * x + y * y < 2),
-        lambda i: f"the arc starts {mm(abs(int(x[i] + y[i])))} from its centre and never ends",
+        f.arc & (f.x * f.x + f.y * f.y < 2),
+        "block {block}: the arc starts {radius_mm:.3f} mm from its centre and never ends",
+        lambda i: {"radius_mm": abs(int(f.x[i] + f.y[i])) / per_mm},
     )
     checks.tell(
-        err,
+        Severity.ERROR,
         "not-in-format",
-        arc & (axis == Axis.SQUARE),
-        lambda i: "an arc counted on the inscribed square; 3B counts on X or on Y",
-        "convert the program with lowering",
+        f.arc & (f.axis == Axis.SQUARE),
+        "block {block}: an arc counted on the inscribed square; 3B counts on X or on Y",
+        hint="convert the program with lowering",
     )
     checks.tell(
-        err,
+        Severity.ERROR,
         "endless-block",
-        line & (lines.along_axis(x, y, axis) == 0),
-        lambda i: "the line has no length on its count axis and never ends",
+        f.line & (lines.along_axis(f.x, f.y, f.axis) == 0),
+        "block {block}: the line has no length on its count axis and never ends",
     )
 
-    fx, fy, exact = lines.full(x, y, axis, count)
-    exact &= line
-    x, y = np.where(exact, fx, x), np.where(exact, fy, y)
-    tell_large(exact & too_large(x, y))
+
+def _write_full(checks: Checks, machine: Machine, f: _Fields) -> NDArray[np.bool_]:
+    """State lines in full that are a ratio, and return which lines are full now."""
+    per_mm = 1000.0 / machine.axes.step_um
+    fx, fy, exact = lines.full(f.x, f.y, f.axis, f.count)
+    exact &= f.line
+    f.x, f.y = np.where(exact, fx, f.x), np.where(exact, fy, f.y)
+    _too_wide(checks, machine, f, exact)
     checks.tell(
-        note,
+        Severity.NOTE,
         "ratio-line",
-        line & ~exact,
-        lambda i: (
-            f"X and Y are a ratio that J {mm(int(count[i]))} does not make whole; written as it is"
-        ),
+        f.line & ~exact,
+        "block {block}: X and Y are a ratio that J {count_mm:.3f} mm does not make whole; written "
+        "as it is",
+        lambda i: {"count_mm": int(f.count[i]) / per_mm},
     )
-    wanted = machine.own_stepping.line_count(x, y)[0]
-    other = exact & (axis != Axis.SQUARE) & (wanted != axis)
-    tie = abs(x) == abs(y)
+    return exact
+
+
+def _count_by_rule(checks: Checks, machine: Machine, f: _Fields, exact: NDArray[np.bool_]) -> None:
+    """Give full lines the G and J that the machine's line table asks for."""
+    wanted = machine.own_stepping.line_count(f.x, f.y)[0]
+    other = exact & (f.axis != Axis.SQUARE) & (wanted != f.axis)
+    tie = abs(f.x) == abs(f.y)
     checks.tell(
-        warn,
+        Severity.WARNING,
         "count-axis",
         other & ~tie,
-        lambda i: (
-            "the line was counted on its shorter axis; written with the longer one, its end "
-            "may move"
-        ),
+        "block {block}: the line was counted on its shorter axis; written with the longer one, "
+        "its end may move",
     )
     checks.tell(
-        note,
+        Severity.NOTE,
         "count-axis",
         other & tie,
-        lambda i: (
-            f"a 45 degree line; written with G{'XY'[int(wanted[i])]}, on which the "
-            f"{machine.line_table} line table ends exactly"
-        ),
+        "block {block}: a 45 degree line; written with G{axis}, on which the {line_table} line "
+        "table ends exactly",
+        lambda i: {"axis": "XY"[int(wanted[i])], "line_table": machine.line_table},
     )
-    axis = np.where(exact, wanted, axis)
-    count = np.where(exact, lines.along_axis(x, y, axis), count)
-    return x, y, axis, count
+    f.axis = np.where(exact, wanted, f.axis)
+    f.count = np.where(exact, lines.along_axis(f.x, f.y, f.axis), f.count)
 
 
 def _records(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wedmcam.backends import b3
 from wedmcam.backends.checks import Checks
-from wedmcam.backends.zd065.compensation import stated
+from wedmcam.backends.zd065.compensation import outline_of
 from wedmcam.diag import Diagnostic
 from wedmcam.formats import b4
 from wedmcam.ir.program import Kind, Program
@@ -30,7 +30,7 @@ def encode(
     outwards: bool = True,
     grown: NDArray[np.integer[Any]] | None = None,
 ) -> tuple[bytes, list[Diagnostic]]:
-    """Return the 4B file of which the controller makes this program.
+    """Return the 4B file that the controller makes this program of.
 
     Args:
         program: the offset path, blocks as for 3B.
@@ -45,7 +45,7 @@ def encode(
         The bytes, empty when there is an error.
     """
     checks = Checks(program)
-    figure = stated(program, machine, checks, gap_um, outwards, grown, b4.MOST_GAP_UM, "3b")
+    figure = outline_of(program, machine, checks, gap_um, outwards, grown, b4.MOST_GAP_UM, "3b")
     if figure is None:
         return b"", checks.found
     blocks = program.blocks

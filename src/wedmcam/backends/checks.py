@@ -5,24 +5,16 @@ Findings name the block, and the place in the source or in the file that it was 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity, Span, error, has_errors
+from wedmcam.diag import Diagnostic, Severity, Span, error, has_errors, warning
 from wedmcam.formats.listing import listed
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
-
-
-def mm(um: float) -> str:
-    """Return a length for people.
-
-    >>> mm(1_000_000)
-    '1000.000 mm'
-    """
-    return f"{um / 1000:.3f} mm"
 
 
 class Checks:
@@ -50,24 +42,46 @@ class Checks:
         severity: Severity,
         code: str,
         mask: NDArray[np.bool_],
-        message: Callable[[int], str],
+        template: str,
+        values: Callable[[int], Mapping[str, object]] | None = None,
         hint: str | None = None,
     ) -> None:
-        """Report the blocks in ``mask`` that have no error yet."""
+        """Report the blocks in ``mask`` that have no error yet.
+
+        Args:
+            severity, code, hint: of the findings.
+            mask: for each block whether it has what is found.
+            template: of the message; ``{block}`` is the number of the block, from 1.
+            values: further values of template and hint, for a row of the program.
+        """
         where = np.flatnonzero(mask & self._well)
+
+        def of_block(i: int) -> dict[str, object]:
+            return {"block": i + 1, **(values(i) if values else {})}
+
         self.found += (
-            d
-            for _, d in listed(
-                severity,
-                code,
-                where,
-                self.span,
-                lambda i: f"block {i + 1}: {message(i)}",
-                hint,
-            )
+            replace(d, template=template, values=of_block(i))
+            for i, d in listed(severity, code, where, self.span, lambda i: "", hint)
         )
         if severity is Severity.ERROR:
             self._well[where] = False
+
+
+def over_memory(records: int, machine: Machine) -> list[Diagnostic]:
+    """Return a warning where a controller holds fewer records than a program has."""
+    most = machine.limits.blocks
+    if not most or records <= most:
+        return []
+    return [
+        warning(
+            "over-memory",
+            "{records} records; {machine} holds {most}: {loads} loads",
+            records=records,
+            machine=machine.name,
+            most=most,
+            loads=-(-records // most),
+        )
+    ]
 
 
 def ends(program: Program, machine: Machine) -> NDArray[np.int64]:
@@ -121,8 +135,12 @@ def travel(program: Program, machine: Machine) -> list[Diagnostic]:
     return [
         error(
             "over-travel",
-            f"the program goes {mm(int(size))} along {name}; the table of {machine.name} goes "
-            f"{mm(most)}",
+            "the program goes {length_mm:.3f} mm along {axis}; the table of {machine} goes "
+            "{most_mm:.3f} mm",
+            length_mm=int(size) / 1000,
+            axis=name,
+            machine=machine.name,
+            most_mm=most / 1000,
         )
         for name, size, most in zip("XY", high - low, limit, strict=True)
         if size > most

@@ -43,18 +43,18 @@ def encode(program: Program, machine: Machine) -> bytes:
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True  # else a date and two GUIDs are written
     try:
-        return _written(program, machine)
+        return _drawing_of(program, machine)
     finally:
         options.write_fixed_meta_data_for_testing = before
 
 
-def converted(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
-    """Return the drawing of a decoded program called ``name``: a target of ``convert``."""
+def convert(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
+    """Return the drawing of a decoded program called ``name``: an output of ``convert``."""
     words = [i for i, _ in program.words]
     return encode(program, machine), words_left_out(program, words, "a drawing")
 
 
-def _written(program: Program, machine: Machine) -> bytes:
+def _drawing_of(program: Program, machine: Machine) -> bytes:
     from ezdxf import units
     from ezdxf.filemanagement import new
 

@@ -8,12 +8,12 @@ that is no M word) is refused. Numbers are whole um until they are text: there i
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.checks import Checks, ends, travel
+from wedmcam.backends.checks import Checks, ends, over_memory, travel
+from wedmcam.controllers import Motion
 from wedmcam.diag import Diagnostic, Severity, warning
 from wedmcam.formats import b3, iso
 from wedmcam.ir.program import Kind, Program, Role
@@ -43,60 +43,23 @@ def encode(
         The bytes, empty when there is an error. A stop is added where there is none.
     """
     checks = Checks(program)
-    blocks = program.blocks
-    kinds = blocks["kind"].copy()
-    motion = machine.own_stepping.run(blocks)
-    arc = kinds == Kind.ARC
-    x, y = blocks["x"], blocks["y"]
-    end = machine.own_stepping.arc_end(
-        x, y, np.where(arc, blocks["turn"], 1), x + motion.dx, y + motion.dy
-    )
-    err = Severity.ERROR
-    moving = kinds <= Kind.MOVE
-    checks.tell(err, "endless-block", motion.steps < 0, lambda i: "it never ends")
-    checks.tell(err, "zero-count", moving & (motion.steps == 0), lambda i: "it has no step")
-    checks.tell(
-        err,
-        "not-in-format",
-        arc & (end.steps != motion.steps),
-        lambda i: "more than a full circle; an ISO record states only where it ends",
-        "write it as several blocks",
-    )
-    least = machine.iso.arc_least_um
-    small = arc & (np.minimum(np.hypot(x, y), np.hypot(x + motion.dx, y + motion.dy)) < least)
-    checks.tell(
-        err,
-        "not-in-format",
-        small & (motion.dx == 0) & (motion.dy == 0),
-        lambda i: f"a full circle whose radius is below {least} um: {machine.name} takes none",
-    )
-    kinds[small] = Kind.LINE
+    kinds = program.blocks["kind"].copy()
+    motion = machine.own_stepping.run(program.blocks)
+    _refuse_unstated(checks, machine, motion)
+    kinds[_too_small(checks, machine, motion)] = Kind.LINE
     names = dict(program.words)
-    mask = kinds == Kind.WORD
-    for i in np.flatnonzero(mask).tolist():
-        mask[i] = not iso.is_word(names[i])
-    checks.tell(
-        err,
-        "not-in-format",
-        mask,
-        lambda i: f"'{names[i]}' is no M word: it would not be read as a control word",
-    )
+    _refuse_words(checks, names)
     kinds[kinds == Kind.THREAD] = Kind.PAUSE
     checks.tell(
-        err,
+        Severity.ERROR,
         "lone-line",
         b3.moves(kinds) & (kinds == Kind.LINE),
-        lambda i: "a single line between two pauses would be read as a move",
-        "write the line as two blocks",
+        "block {block}: a single line between two pauses would be read as a move",
+        hint="write the line as two blocks",
     )
     if not checks.failed:
         checks.found += travel(program, machine)
-    most = machine.limits.blocks
-    if most and len(blocks) > most:
-        text = (
-            f"{len(blocks)} records; {machine.name} holds {most}: {-(-len(blocks) // most)} loads"
-        )
-        checks.found.append(warning("over-memory", text))
+    checks.found += over_memory(len(program.blocks), machine)
     if checks.failed:
         return b"", checks.found
     if positions is None:
@@ -105,6 +68,61 @@ def encode(
     rows = [*opening, *_rows(program, kinds, motion, positions, machine.iso, names)]
     data, more = _text(rows, machine)
     return data, [*checks.found, *found, *more]
+
+
+def _refuse_unstated(checks: Checks, machine: Machine, motion: Motion) -> None:
+    """Report blocks that ISO cannot state: without an end or a step, or over a full circle."""
+    blocks = checks.program.blocks
+    arc = blocks["kind"] == Kind.ARC
+    x, y = blocks["x"], blocks["y"]
+    end = machine.own_stepping.arc_end(
+        x, y, np.where(arc, blocks["turn"], 1), x + motion.dx, y + motion.dy
+    )
+    moving = blocks["kind"] <= Kind.MOVE
+    checks.tell(Severity.ERROR, "endless-block", motion.steps < 0, "block {block}: it never ends")
+    checks.tell(
+        Severity.ERROR,
+        "zero-count",
+        moving & (motion.steps == 0),
+        "block {block}: it has no step",
+    )
+    checks.tell(
+        Severity.ERROR,
+        "not-in-format",
+        arc & (end.steps != motion.steps),
+        "block {block}: more than a full circle; an ISO record states only where it ends",
+        hint="write it as several blocks",
+    )
+
+
+def _too_small(checks: Checks, machine: Machine, motion: Motion) -> NDArray[np.bool_]:
+    """Return the arcs that are lines to a controller with a least radius; report full circles."""
+    blocks, least = checks.program.blocks, machine.iso.arc_least_um
+    x, y = blocks["x"], blocks["y"]
+    radius = np.minimum(np.hypot(x, y), np.hypot(x + motion.dx, y + motion.dy))
+    small: NDArray[np.bool_] = (blocks["kind"] == Kind.ARC) & (radius < least)
+    checks.tell(
+        Severity.ERROR,
+        "not-in-format",
+        small & (motion.dx == 0) & (motion.dy == 0),
+        "block {block}: a full circle whose radius is below {least_um} um: {machine} takes none",
+        lambda i: {"least_um": least, "machine": machine.name},
+    )
+    return small
+
+
+def _refuse_words(checks: Checks, names: dict[int, str]) -> None:
+    """Report control words that a reader of ISO would not take for one."""
+    mask = checks.program.blocks["kind"] == Kind.WORD
+    for i in np.flatnonzero(mask).tolist():
+        mask[i] = not iso.is_word(names[i])
+    checks.tell(
+        Severity.ERROR,
+        "not-in-format",
+        mask,
+        "block {block}: '{word}' is no M word: it would not be read as a control word",
+        lambda i: {"word": names[i]},
+    )
 
 
 def _opening(
@@ -132,13 +150,28 @@ def _opening(
         mm = (feed_um or how.feed_um) / 1000
         rows.append("F" + re.sub(r"(\.\d+?)0+$", r"\1", f"{mm / machine.axes.step_um:.8f}"))
         if feed_um is None:
-            what = f"{rows[-1]} is written, {mm:g} mm a minute: the profile's, no --feed was given"
-            found.append(warning("feed-assumed", what, hint=_FEED))
-        least = how.feed_least_um
-        if mm * 1000 < least * machine.axes.step_um:
-            goes = f"{least * machine.axes.step_um / 1000:g}"
-            what = f"{rows[-1]}: {machine.name} cuts no slower than {goes} mm a minute, and does so"
-            found.append(warning("feed-raised", what, hint=f"--feed {goes}mm or more"))
+            found.append(
+                warning(
+                    "feed-assumed",
+                    "{word} is written, {feed_mm:g} mm a minute: the profile's, no --feed was "
+                    "given",
+                    hint=_FEED,
+                    word=rows[-1],
+                    feed_mm=mm,
+                )
+            )
+        least = how.feed_least_um * machine.axes.step_um
+        if mm * 1000 < least:
+            found.append(
+                warning(
+                    "feed-raised",
+                    "{word}: {machine} cuts no slower than {least_mm:g} mm a minute, and does so",
+                    hint="--feed {least_mm:g}mm or more",
+                    word=rows[-1],
+                    machine=machine.name,
+                    least_mm=least / 1000,
+                )
+            )
     modes = [how.between.join(how.modes.split())] if how.modes else []
     if how.start == "move":
         start = how.between.join([f"G{0:0{how.code_digits}d}", *words])
@@ -157,13 +190,26 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
     found = _long_lines([*layout.header, *rows, *layout.footer], machine)
     header = [*layout.header, how.modes]
-    for code, what in around.modes(header, bool(how.feed_um), how.semicolon):
-        hint = "G61 and G94 behind it, or without it"
-        found.append(warning("header-mode", f"{code} in the header: {what}", hint=hint))
+    for code, effect in around.modes(header, bool(how.feed_um), how.semicolon):
+        found.append(
+            warning(
+                "header-mode",
+                "{word} in the header: {effect}",
+                hint="G61 and G94 behind it, or without it",
+                word=code,
+                effect=effect,
+            )
+        )
     if idle := around.behind_end(layout.footer, how.semicolon):
-        what = f"{', '.join(dict.fromkeys(idle))} of the footer: behind the end (M02), not run"
-        hint = "leave it out of 'footer', or put it into 'header'"
-        found.append(replace(warning("after-end", what, hint=hint), count=len(idle)))
+        found.append(
+            warning(
+                "after-end",
+                "{words} of the footer: behind the end (M02), not run",
+                hint="leave it out of 'footer', or put it into 'header'",
+                count=len(idle),
+                words=", ".join(dict.fromkeys(idle)),
+            )
+        )
     return data + frame[1].encode(layout.encoding), found
 
 
@@ -180,10 +226,20 @@ def _long_lines(lines: list[str], machine: Machine) -> list[Diagnostic]:
     if not over:
         return []
     first = min(over)
-    many = f" ({len(over)} lines)" if len(over) > 1 else ""
-    what = f"line {first} has {over[first]} characters, {machine.name} takes {most}{many}"
-    hint = "'header' and 'footer' of the profile may be several lines"
-    return [replace(warning("over-line", what, hint=hint), count=len(over))]
+    return [
+        warning(
+            "over-line",
+            "line {line} has {characters} characters, {machine} takes {most} ({count} lines)"
+            if len(over) > 1
+            else "line {line} has {characters} characters, {machine} takes {most}",
+            hint="'header' and 'footer' of the profile may be several lines",
+            count=len(over),
+            line=first,
+            characters=over[first],
+            machine=machine.name,
+            most=most,
+        )
+    ]
 
 
 def encode_outlines(
@@ -247,8 +303,16 @@ def encode_outlines(
         here = to
     most = machine.limits.blocks
     if most and len(rows) > most:
-        text = f"{len(rows)} records; {machine.name} holds {most}"
-        found.append(warning("over-memory", text, hint="--split cuts it at thread points"))
+        found.append(
+            warning(
+                "over-memory",
+                "{records} records; {machine} holds {most}",
+                hint="--split cuts it at thread points",
+                records=len(rows),
+                machine=machine.name,
+                most=most,
+            )
+        )
     data, more = _text([*opening, *rows], machine)
     return data, [*found, *more]
 
@@ -316,10 +380,10 @@ def _arc(
     ]
 
 
-def _rows(  # type: ignore[no-untyped-def]
+def _rows(
     program: Program,
     kinds: NDArray[np.uint8],
-    motion,
+    motion: Motion,
     positions: NDArray[np.int64],
     how: Iso,
     names: dict[int, str],

@@ -16,8 +16,8 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic, Span, error, visible, warning
+from wedmcam.controllers import Motion, Stepping
+from wedmcam.diag import Diagnostic, Span, error, has_errors, visible, warning
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.programs.stretches import Stretch, beside, stretches, words_left_out
@@ -25,7 +25,9 @@ from wedmcam.programs.stretches import Stretch, beside, stretches, words_left_ou
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 TAU = 2.0 * np.pi
-#: Arcs of more than this are written in parts: near a full turn nobody can tell their ends apart.
+#: What to do with a program that the part language has no words for.
+ANY_PATH = "convert to .dxf, which takes any path"
+#: Arcs of more than this are written in parts: near a full turn their ends cannot be told apart.
 MOST_SWEEP = np.radians(350.0)
 
 
@@ -46,23 +48,9 @@ def source(
     """
     blocks, stepping = program.blocks, machine.stepping
     motion = stepping.run(blocks)
-    found: list[Diagnostic] = []
-    for i in np.flatnonzero(motion.steps < 0)[:1].tolist():
-        what = f"block {i + 1} never ends on its controller: there is no path to write down"
-        found.append(error("endless-block", what, _span(program, i)))
-    kinds = blocks["kind"]
-    end = np.flatnonzero((kinds == Kind.STOP) | (kinds == Kind.END))
-    last = int(end[0]) if len(end) else len(blocks)
-    late = np.flatnonzero((kinds <= Kind.MOVE) & (np.arange(len(blocks)) > last))
-    if len(late):
-        what = f"{len(late)} blocks behind the end of cutting are no part of the path; left out"
-        found.append(warning("not-carried", what, _span(program, int(late[0]))))
-    taken = (np.arange(len(blocks)) < last) & ((kinds > Kind.MOVE) | (motion.steps > 0))
-    rows = np.flatnonzero(taken)
-    if any(d.code == "endless-block" for d in found) or not (kinds[rows] < Kind.MOVE).any():
-        if not found:
-            found.append(error("no-blocks", "this program cuts nothing"))
-        return b"", found
+    rows, findings = _rows(program, motion)
+    if has_errors(findings) or not (blocks["kind"][rows] < Kind.MOVE).any():
+        return b"", findings
     ends = np.column_stack([np.cumsum(motion.dx[rows]), np.cumsum(motion.dy[rows])])
     starts = ends - np.column_stack([motion.dx[rows], motion.dy[rows]])
     parts = np.ones(len(rows), np.int64) if pieces is None else pieces[rows]
@@ -76,20 +64,76 @@ def source(
     cuts = []
     runs = stretches(text.blocks, starts, ends)
     for i in beside(text.blocks["kind"], runs):
-        where = text.at(ends[i])
-        what = f"a pause at {where} mm from the start has no place in the part language"
-        found.append(warning("not-carried", what, _span(program, int(rows[i]))))
+        findings.append(
+            warning(
+                "not-carried",
+                "a pause at {place} mm from the start has no place in the part language",
+                _span(program, int(rows[i])),
+                place=text.at(ends[i]),
+            )
+        )
     for k, one in enumerate(runs):
         contour, cut, lost = text.stretch(one, f"path{k + 1}")
         lines += contour if contour[0][:3] == lines[-1][:3] == "let" else ["", *contour]
         cuts.append(cut)
-        for i, what in lost:
-            found.append(warning("not-carried", what, _span(program, int(rows[i]))))
-    found += words_left_out(program, [i for i, _ in program.words if i < last], "the part language")
-    return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), found
+        for i in lost:
+            findings.append(
+                warning(
+                    "not-carried",
+                    "a pause at {place} mm from the start has no place in the part language: "
+                    "'stop' is one pause on a closed contour",
+                    _span(program, int(rows[i])),
+                    place=text.at(ends[i]),
+                )
+            )
+    last = _end_of_cutting(blocks)
+    words = [i for i, _ in program.words if i < last]
+    findings += words_left_out(program, words, "the part language")
+    return ("\n".join([*lines, "", *cuts]) + "\n").encode("utf-8"), findings
 
 
-def trimmed(program: Program) -> tuple[Program, list[Diagnostic]]:
+def _end_of_cutting(blocks: NDArray[np.void]) -> int:
+    """Return the row of the first stop or end; behind the last where there is none."""
+    kinds = blocks["kind"]
+    end = np.flatnonzero((kinds == Kind.STOP) | (kinds == Kind.END))
+    return int(end[0]) if len(end) else len(blocks)
+
+
+def _rows(program: Program, motion: Motion) -> tuple[Ints, list[Diagnostic]]:
+    """Return the rows that are written: those with a step, and controls, up to the end of cutting.
+
+    Findings are errors where a block never ends or none cuts, a warning where blocks follow.
+    """
+    kinds, last = program.blocks["kind"], _end_of_cutting(program.blocks)
+    findings: list[Diagnostic] = []
+    endless = np.flatnonzero(motion.steps < 0)[:1].tolist()
+    for i in endless:
+        findings.append(
+            error(
+                "endless-block",
+                "block {block} never ends on its controller: there is no path to write down",
+                _span(program, i),
+                block=i + 1,
+            )
+        )
+    late = np.flatnonzero((kinds <= Kind.MOVE) & (np.arange(len(kinds)) > last))
+    if len(late):
+        findings.append(
+            warning(
+                "not-carried",
+                "{blocks} blocks behind the end of cutting are no part of the path; left out",
+                _span(program, int(late[0])),
+                blocks=len(late),
+            )
+        )
+    taken = (np.arange(len(kinds)) < last) & ((kinds > Kind.MOVE) | (motion.steps > 0))
+    rows = np.flatnonzero(taken)
+    if not findings and not (kinds[rows] < Kind.MOVE).any():
+        findings.append(error("no-blocks", "this program cuts nothing"))
+    return rows, findings
+
+
+def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
     """Return a program from its first cut to its last, and what moves that leaves out."""
     kinds = program.blocks["kind"]
     cuts = np.flatnonzero(kinds < Kind.MOVE)
@@ -97,17 +141,29 @@ def trimmed(program: Program) -> tuple[Program, list[Diagnostic]]:
     if not len(cuts):
         return program, []
     found = []
-    for rows, what in (
-        (moves[moves < cuts[0]], "begins with a move; the part program starts where it ends"),
-        (moves[moves > cuts[-1]], "ends with a move; the part program ends where it starts"),
-    ):
-        if len(rows):
-            text = f"the program {what}: moves go from cut to cut in the part language"
-            found.append(warning("not-carried", text, _span(program, int(rows[0]))))
+    before, behind = moves[moves < cuts[0]], moves[moves > cuts[-1]]
+    if len(before):
+        found.append(
+            warning(
+                "not-carried",
+                "the program begins with a move; the part program starts where it ends: moves go "
+                "from cut to cut in the part language",
+                _span(program, int(before[0])),
+            )
+        )
+    if len(behind):
+        found.append(
+            warning(
+                "not-carried",
+                "the program ends with a move; the part program ends where it starts: moves go "
+                "from cut to cut in the part language",
+                _span(program, int(behind[0])),
+            )
+        )
     if not found:
         return program, []
-    first = int(cuts[0]) if (moves < cuts[0]).any() else 0
-    last = int(cuts[-1]) + 1 if (moves > cuts[-1]).any() else len(kinds)
+    first = int(cuts[0]) if len(before) else 0
+    last = int(cuts[-1]) + 1 if len(behind) else len(kinds)
     keep = np.arange(len(kinds))
     keep = keep[(keep >= first) & ((keep < last) | (kinds >= Kind.STOP))]
     number = {int(old): new for new, old in enumerate(keep)}
@@ -116,8 +172,8 @@ def trimmed(program: Program) -> tuple[Program, list[Diagnostic]]:
     return replace(program, blocks=program.blocks[keep], spans=spans, words=words), found
 
 
-def hindrance(program: Program, machine: Machine) -> tuple[str, Span | None] | None:
-    """Return what of a program the part language has no words for, and where; None for nothing."""
+def hindrance(program: Program, machine: Machine) -> Diagnostic | None:
+    """Return an error on what of a program the part language has no words for; None for nothing."""
     blocks = program.blocks
     motion = machine.stepping.run(blocks)
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)])
@@ -128,21 +184,28 @@ def hindrance(program: Program, machine: Machine) -> tuple[str, Span | None] | N
     bend = way[both, 0] * way[both + 1, 1] - way[both, 1] * way[both + 1, 0]
     size = np.hypot(*way[both].T) + np.hypot(*way[both + 1].T)
     for i in both[np.abs(bend) > 2 * size].tolist():
-        what = (
-            f"blocks {i + 1} and {i + 2} move round a corner, and the part language moves "
-            "straight from thread point to thread point"
+        return error(
+            "not-in-format",
+            "blocks {first} and {second} move round a corner, and the part language moves "
+            "straight from thread point to thread point",
+            _span(program, i),
+            hint=ANY_PATH,
+            first=i + 1,
+            second=i + 2,
         )
-        return what, _span(program, i)
     for one in stretches(blocks, starts, ends):
         for path in (one.path, np.concatenate([one.lead_in, one.path, one.overcut, one.lead_out])):
             again = (ends[path[:-1]] == starts[path[0]]).all(axis=1)
             if again.any():
                 i = int(path[int(np.argmax(again)) + 1])
-                what = (
-                    f"block {i + 1} goes on without a pause where its contour is closed already, "
-                    "and a 'cut' runs round once"
+                return error(
+                    "not-in-format",
+                    "block {block} goes on without a pause where its contour is closed already, "
+                    "and a 'cut' runs round once",
+                    _span(program, i),
+                    hint=ANY_PATH,
+                    block=i + 1,
                 )
-                return what, _span(program, i)
     return None
 
 
@@ -203,8 +266,8 @@ class _Text:
         straight = np.hypot(*(self.ends - self.starts).T)
         return sweep, np.where(self.arc, self.radius * sweep, straight)
 
-    def stretch(self, one: Stretch, name: str) -> tuple[list[str], str, list[tuple[int, str]]]:
-        """Return a contour, the statement that cuts it, and what is lost (at which block)."""
+    def stretch(self, one: Stretch, name: str) -> tuple[list[str], str, list[int]]:
+        """Return a contour, the statement that cuts it, and the blocks whose pauses are lost."""
         path, over = one.path, one.overcut
         led = len(one.lead_in) > 0 and one.closed
         if not led:  # no lead that can be told from the path: all of it is path
@@ -249,19 +312,17 @@ class _Text:
             lines.append("  close")
         return lines
 
-    def _stop(self, one: Stretch, path: Ints, closed: bool) -> tuple[str, list[tuple[int, str]]]:
+    def _stop(self, one: Stretch, path: Ints, closed: bool) -> tuple[str, list[int]]:
         """Return the clause of the last pause on the path; the others are lost."""
         lost = []
-        told = ""
+        clause = ""
         for i in one.pauses[::-1]:
-            if not told and closed and i in path[:-1]:
+            if not clause and closed and i in path[:-1]:
                 rest = path[np.flatnonzero(path == i)[0] + 1 :]
-                told = f" stop {self._mm(float(self.length[rest].sum()))}"
-                continue
-            where = f"{self.at(self.ends[i])} mm from the start"
-            why = "'stop' is one pause on a closed contour"
-            lost.append((i, f"a pause at {where} has no place in the part language: {why}"))
-        return told, lost[::-1]
+                clause = f" stop {self._mm(float(self.length[rest].sum()))}"
+            else:
+                lost.append(i)
+        return clause, lost[::-1]
 
     def _block(self, i: int, origin: Ints) -> list[str]:
         """Return the commands of a block, from ``origin``."""

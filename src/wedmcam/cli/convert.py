@@ -70,7 +70,7 @@ def convert_command(
     from wedmcam.operations import convert as conversion
     from wedmcam.targets import Entries, target_of
 
-    target = to if to in conversion.TARGETS else None if to else conversion.output_of(output)
+    target = to if to in conversion.OUTPUTS else None if to else conversion.output_of(output)
     machine = None
     if target is None:
         profile = profile or _set_profile(output, to)
@@ -133,8 +133,9 @@ def _line(made: Any, output: str, target: str | None) -> str:
     if made.machine is None or made.difference is None:
         return f"{output}: {size}"
     return (
-        f"{output}: {made.machine.format} ({made.machine.name}), {len(made.made.blocks)} blocks, "
-        f"{size}; the same path, at most {made.difference.largest_um:.2f} um apart"
+        f"{output}: {made.machine.format} ({made.machine.name}), "
+        f"{len(made.program_out.blocks)} blocks, {size}; the same path, "
+        f"at most {made.difference.largest_um:.2f} um apart"
     )
 
 
@@ -150,7 +151,7 @@ def _summary(made: Any, program: str, output: str, target: str | None) -> dict[s
         "format": made.machine.format if made.machine else target,
         "profile": made.machine.name if made.machine else None,
         "blocks_in": len(made.program.blocks) if made.program is not None else None,
-        "blocks": len(made.made.blocks) if made.made is not None else None,
+        "blocks": len(made.program_out.blocks) if made.program_out is not None else None,
         "largest_um": round(apart.largest_um, 3) if apart and apart.equal else None,
         "diagnostics": [finding_data(d) for d in made.findings],
         "ok": made.ok,

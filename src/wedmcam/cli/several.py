@@ -63,13 +63,13 @@ def compile_several(
     say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
     if not made.ok:
         if plot is not None:
-            refused = next((one for one in made.made if not one.ok), made.made[0])
+            refused = next((one for one in made.compilations if not one.ok), made.compilations[0])
             write_refused(refused, Path(name).name, plot, name)
         tell("no program was written", err=True)
         return made.status
     files: list[tuple[str, bytes]] = []
     for one, to_, issued, mapped in zip(
-        made.made, names, beside["certificate"], beside["map"], strict=True
+        made.compilations, names, beside["certificate"], beside["map"], strict=True
     ):
         assert one.data is not None
         files.append((to_, one.data))
@@ -78,18 +78,18 @@ def compile_several(
         if mapped is not None:
             files.append((mapped, say.map_bytes(api.source_map(one))))
     if plot is not None:
-        files.append((plot, picture(made.made[0], Path(names[0]).name, plot)))
+        files.append((plot, picture(made.compilations[0], Path(names[0]).name, plot)))
     write_outputs(files)
     if not asked["quiet"]:
-        for k, (one, to_) in enumerate(zip(made.made, names, strict=True)):
+        for k, (one, to_) in enumerate(zip(made.compilations, names, strict=True)):
             say.say_report(one, to_, asked["verbose"], rows=k == 0)  # one plan serves all
         tell(
             f"the same path in {len(names)} formats: at most {max(made.apart_um):.2f} um apart",
             err=True,
         )
-        say.say_time(made.made[0].summary, feed)
+        say.say_time(made.compilations[0].summary, feed)
     if asked["json_"]:
-        say.say_json([say.with_time(one.summary, feed) for one in made.made])
+        say.say_json([say.with_time(one.summary, feed) for one in made.compilations])
     return 0
 
 

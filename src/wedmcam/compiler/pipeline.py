@@ -125,6 +125,7 @@ def judged(
     fitted: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """A program is run on its controller and measured; see `judge.judge`."""
+    from wedmcam.judge.followed import Terms
     from wedmcam.judge.judge import judge
 
     textbook = (options.judging.count or target.machine.count) == "textbook"
@@ -135,7 +136,5 @@ def judged(
         limits=target.machine.limits,
         free_moves=target.machine.move_um is None,
         count="textbook" if textbook else "exact",
-        strict_order=strict_order,
-        trimmed=options.cutting.trim,
-        fitted=fitted,
+        terms=Terms(strict_order=strict_order, trimmed=options.cutting.trim, fitted=fitted),
     )

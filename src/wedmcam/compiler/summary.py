@@ -11,7 +11,13 @@ from wedmcam.diag import Diagnostic, has_errors
 from wedmcam.diag.run import Run
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.understanding import Understanding
-from wedmcam.judge.certificate import certificate, finding_data, fingerprint
+from wedmcam.judge.certificate import (
+    CertifiedProgram,
+    CertifiedSource,
+    certificate,
+    finding_data,
+    fingerprint,
+)
 from wedmcam.judge.verdict import Verdict
 from wedmcam.machines import Machine
 from wedmcam.machines.write import as_toml
@@ -79,16 +85,20 @@ def summary_of(
     result = certificate(
         verdict,
         findings,
-        input_name=files.source_name,
-        output_name=files.program_name,
-        format_name=machine.format,
-        units=units or "",
-        input_bytes=files.source,
-        output_bytes=files.program or b"",
-        profile_name=machine.name,
-        profile_sha256=profile_fingerprint(machine),
-        join_um=drawn.report.max_shift_um if drawn else 0.0,
-        spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
+        CertifiedSource(
+            files.source_name,
+            files.source,
+            units or "",
+            join_um=drawn.report.max_shift_um if drawn else 0.0,
+            spline_um=drawn.sketch.info.extra.get("spline_um", 0.0) if drawn else 0.0,
+        ),
+        CertifiedProgram(
+            files.program_name,
+            files.program or b"",
+            machine.format,
+            profile=machine.name,
+            profile_sha256=profile_fingerprint(machine),
+        ),
         options=options.as_data(),
         version=__version__,
     )

@@ -26,7 +26,7 @@ POLAR = np.dtype([("kind", "u1"), ("turn", "i1"), ("start", "f8"), ("size", "i8"
 #: One row per block of the compensation format. grows: +1 where the radius grows when the path is
 #: offset outwards (type 0x01), -1 where it shrinks (0x02), 0 for what is no arc. axis: on which J
 #: of an arc is counted. um.
-GAPPED = np.dtype(
+OUTLINE = np.dtype(
     [
         ("kind", "u1"),
         ("turn", "i1"),
@@ -127,14 +127,14 @@ def compensated(figure: NDArray[np.void], gap_um: int, outwards: bool = True) ->
     is the offset path where all joints are tangent.
 
     Args:
-        figure: dtype `GAPPED`; R - gap > 0 for every arc that shrinks.
+        figure: dtype `OUTLINE`; R - gap > 0 for every arc that shrinks.
         gap_um: whole um, 0 to 7999 on the machine [S].
         outwards: True for a punch (凸模), False for a die (凹模).
 
     Returns:
         dtype `BLOCK`.
 
-    >>> f = np.zeros(1, GAPPED)
+    >>> f = np.zeros(1, OUTLINE)
     >>> f[0] = (Kind.ARC, 1, 1, Axis.SQUARE, 5_000, 3_000, 4_000, 7_071)
     >>> [compensated(f, 100)[k].tolist() for k in ("x", "y", "count")]
     [[3060], [4080], [7212]]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.controllers.zd065 import GAPPED, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensated
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import b4
 from wedmcam.formats.lengths import mm_of
@@ -130,7 +130,7 @@ class _Teller:
 def _fields(
     data: bytes, machine: Machine, file: str
 ) -> tuple[Program, NDArray[np.void], list[Diagnostic]]:
-    """Return the outline as 3B blocks, the same with R and type (dtype `GAPPED`), and findings."""
+    """Return the outline as 3B blocks, the same with R and type (dtype `OUTLINE`), and findings."""
     codes = plain(data).codes
     fourths = b4.fourths(codes)
     text = bytearray(codes)
@@ -139,7 +139,7 @@ def _fields(
     program, found = b3.decode(bytes(text), machine, file)
     found = [_of_4b(d) for d in found]
     blocks = program.blocks
-    figure = np.zeros(len(blocks), GAPPED)
+    figure = np.zeros(len(blocks), OUTLINE)
     for name in ("kind", "turn", "axis", "x", "y", "count"):
         figure[name] = blocks[name]
     if fourths and isinstance(program.spans, TextSpans):

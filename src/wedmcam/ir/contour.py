@@ -18,7 +18,7 @@ from wedmcam.geom.segments import following
 #: One row per vertex, um. Row i opens the segment to row i + 1 (to row 0 if closed).
 #: (cx, cy): centre of an arc, not used for a line. turn: +1 counter-clockwise, -1 clockwise, 0 a
 #: line.
-#: source: index into ``Contour.sources``, -1 for a segment that nobody drew.
+#: source: index into ``Contour.sources``, -1 for a segment that was not drawn.
 VERTEX = np.dtype(
     [("x", "f8"), ("y", "f8"), ("cx", "f8"), ("cy", "f8"), ("turn", "i1"), ("source", "i4")]
 )

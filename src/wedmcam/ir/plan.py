@@ -25,7 +25,7 @@ class Cut:
     """One contour to cut.
 
     Attributes:
-        outline: the contour as drawn, in cutting direction; None where nobody drew it.
+        outline: the contour as drawn, in cutting direction; None where it was not drawn.
         path: where the centre of the wire goes: exact, in cutting direction; a closed path starts
             at the point where the lead arrives.
         thread: where the wire is threaded, whole um.
@@ -63,7 +63,7 @@ def outline_numbers(cuts: Sequence[Cut]) -> list[int]:
     """Return for each cut a number that it shares with the cuts of the same outline.
 
     Rough and finishing passes run beside one outline: a lead may cross the paths of both, in what
-    falls away. Cuts whose outline nobody drew are each of their own.
+    falls away. Cuts whose outline was not drawn are each of their own.
     """
     first: dict[tuple[float, ...], int] = {}
     numbers: list[int] = []

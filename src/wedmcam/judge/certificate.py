@@ -8,10 +8,11 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from wedmcam.diag import ByteSpan, Diagnostic, EntityRef, TextSpan, plain
-from wedmcam.judge.verdict import Verdict
+from wedmcam.judge.verdict import CutVerdict, Verdict
 
 
 def fingerprint(data: bytes) -> str:
@@ -51,34 +52,65 @@ def span_data(span: object) -> dict[str, Any] | None:
     return None if span is None else {"file": str(span)}
 
 
-def finding_data(found: Diagnostic) -> dict[str, Any]:
+def finding_data(finding: Diagnostic) -> dict[str, Any]:
     """Return a finding as plain data."""
     return {
-        "severity": str(found.severity),
-        "code": found.code,
-        "message": found.message,
-        "values": {name: plain(value) for name, value in found.values.items()},
-        "at": span_data(found.span),
-        "points_mm": [[_plain(x), _plain(y)] for x, y in found.points_mm],
-        "hint": found.hint,
-        "count": found.count * found.times,
+        "severity": str(finding.severity),
+        "code": finding.code,
+        "message": finding.message,
+        "values": {name: plain(value) for name, value in finding.values.items()},
+        "at": span_data(finding.span),
+        "points_mm": [[_plain(x), _plain(y)] for x, y in finding.points_mm],
+        "hint": finding.hint,
+        "count": finding.count * finding.times,
     }
+
+
+@dataclass(frozen=True, slots=True)
+class CertifiedSource:
+    """What a certificate says of the source.
+
+    Attributes:
+        name: as it was named.
+        data: the source itself, for its fingerprint.
+        units: "mm", "um" or "inch".
+        join_um: the largest shift of a joint that closed a gap of the drawing.
+        spline_um: the largest distance between a spline or ellipse and its arcs; the program is
+            judged against the arcs.
+    """
+
+    name: str
+    data: bytes
+    units: str
+    join_um: float = 0.0
+    spline_um: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class CertifiedProgram:
+    """What a certificate says of the program.
+
+    Attributes:
+        name: as it was named.
+        data: the program itself, for its fingerprint.
+        format: of the program.
+        profile: name of the machine's profile.
+        profile_sha256: fingerprint of the values of the profile.
+    """
+
+    name: str
+    data: bytes
+    format: str
+    profile: str = ""
+    profile_sha256: str = ""
 
 
 def certificate(
     verdict: Verdict,
     findings: Iterable[Diagnostic],
+    source: CertifiedSource,
+    program: CertifiedProgram,
     *,
-    input_name: str,
-    output_name: str,
-    format_name: str,
-    units: str,
-    input_bytes: bytes,
-    output_bytes: bytes,
-    profile_name: str = "",
-    profile_sha256: str = "",
-    join_um: float = 0.0,
-    spline_um: float = 0.0,
     options: dict[str, Any] | None = None,
     version: str | None = None,
 ) -> dict[str, Any]:
@@ -87,17 +119,8 @@ def certificate(
     Args:
         verdict: of the judge.
         findings: of the whole compilation, in their order.
-        input_name: the source, as it was named.
-        output_name: the program, as it was named.
-        format_name: of the program.
-        units: of the source: "mm", "um" or "inch".
-        input_bytes: the source itself, for its fingerprint.
-        output_bytes: the program itself.
-        profile_name: of the machine.
-        profile_sha256: fingerprint of its values.
-        join_um: the largest shift of a joint that closed a gap of the drawing.
-        spline_um: the largest distance between a spline or ellipse and its arcs; the program is
-            judged against the arcs.
+        source: what the program was made of.
+        program: what was judged.
         options: that made the program, so that ``verify --against`` can take them from here.
         version: of the compiler; None for this one.
 
@@ -107,12 +130,11 @@ def certificate(
         from importlib.metadata import version as installed
 
         version = installed("wedmcam")
-    listed = list(findings)
     out: dict[str, Any] = {
-        "input": input_name,
-        "output": output_name,
-        "format": format_name,
-        "units": units,
+        "input": source.name,
+        "output": program.name,
+        "format": program.format,
+        "units": source.units,
         "origin_um": list(verdict.origin_um),
         "contours": verdict.contours,
         "blocks": verdict.blocks,
@@ -122,12 +144,12 @@ def certificate(
         "gouge_um": _um(verdict.gouge_um),
         "offset_um": _plain(verdict.offset_um),
         "side": verdict.side,
-        "diagnostics": [finding_data(f) for f in listed],
+        "diagnostics": [finding_data(d) for d in findings],
         "ok": verdict.ok,
         "lead_deviation_um": _um(verdict.lead_deviation_um),
         "uncut_um": _um(verdict.uncut_um),
-        "join_um": _um(join_um),
-        "spline_um": _um(spline_um),
+        "join_um": _um(source.join_um),
+        "spline_um": _um(source.spline_um),
         "moves": verdict.moves,
         "controls": verdict.controls,
         "path_mm": _plain(verdict.path_mm),
@@ -137,33 +159,35 @@ def certificate(
             "path_um": verdict.path_limit_um,
             "gouge_um": verdict.gouge_limit_um,
         },
-        "cuts": [
-            {
-                "number": c.number,
-                "first_block": c.first_block,
-                "last_block": c.last_block,
-                "blocks": c.blocks,
-                "steps": c.steps,
-                "closed": c.closed,
-                "closure_um": _um(c.closure_um),
-                "max_deviation_um": _um(c.max_deviation_um),
-                "lead_deviation_um": _um(c.lead_deviation_um),
-                "length_mm": _plain(c.length_mm),
-                "backwards": c.backwards,
-            }
-            for c in verdict.cuts
-        ],
+        "cuts": [_cut_data(c) for c in verdict.cuts],
     }
     if verdict.count == "textbook":
         out["stepped_closure_um"] = _um(verdict.stepped_closure_um)
         out["stepped_max_deviation_um"] = _um(verdict.stepped_max_deviation_um)
         out["stepped_gouge_um"] = _um(verdict.stepped_gouge_um)
     out["options"] = dict(sorted((options or {}).items()))
-    out["profile"] = profile_name
+    out["profile"] = program.profile
     out["sha256"] = {
-        "input": fingerprint(input_bytes),
-        "output": fingerprint(output_bytes),
-        "profile": profile_sha256,
+        "input": fingerprint(source.data),
+        "output": fingerprint(program.data),
+        "profile": program.profile_sha256,
     }
     out["version"] = version
     return out
+
+
+def _cut_data(cut: CutVerdict) -> dict[str, Any]:
+    """Return the figures of one cut as plain data."""
+    return {
+        "number": cut.number,
+        "first_block": cut.first_block,
+        "last_block": cut.last_block,
+        "blocks": cut.blocks,
+        "steps": cut.steps,
+        "closed": cut.closed,
+        "closure_um": _um(cut.closure_um),
+        "max_deviation_um": _um(cut.max_deviation_um),
+        "lead_deviation_um": _um(cut.lead_deviation_um),
+        "length_mm": _plain(cut.length_mm),
+        "backwards": cut.backwards,
+    }

@@ -8,8 +8,11 @@ import numpy as np
 
 from wedmcam.diag import Diagnostic, error
 from wedmcam.ir.program import Kind, Program
-from wedmcam.judge.runs import per_mm, span_of
 from wedmcam.judge.segments import Bools, Ints
+from wedmcam.judge.stretches import per_mm, span_of
+
+#: So many blocks of a sort are listed one by one.
+EACH = 5
 
 
 class Limits(Protocol):
@@ -31,7 +34,7 @@ class Limits(Protocol):
 def check_blocks(
     program: Program, limits: Limits | None, steps: Ints, free_moves: bool = False
 ) -> list[Diagnostic]:
-    """Report blocks that no controller could run; the first five of a sort, then their number.
+    """Report blocks that no controller could run; the first `EACH` of a sort, then their number.
 
     Args:
         program: as decoded.
@@ -44,48 +47,82 @@ def check_blocks(
     motion = b["kind"] <= Kind.MOVE
     findings: list[Diagnostic] = []
 
-    def report(code: str, mask: Bools, what: str, value: Ints, most: int | None) -> None:
-        rows = np.flatnonzero(mask)
-        for row in rows[:5].tolist():
-            over = "" if most is None else f", the limit is {most / per:.3f} mm"
-            more = f" (and {len(rows) - 5} more)" if row == rows[min(4, len(rows) - 1)] else ""
-            findings.append(
-                error(
-                    code,
-                    f"block {row + 1}: {what} is {int(value[row]) / per:.3f} mm{over}"
-                    + (more if len(rows) > 5 else ""),
-                    span_of(program, row),
-                )
-            )
-
     empty = motion & ((b["count"] <= 0) | ((b["x"] == 0) & (b["y"] == 0)))
-    report("empty-block", empty, "count length J", b["count"], None)
+    for row, more in _first(empty):
+        d = error(
+            "empty-block",
+            "block {block}: count length J is {length_mm:.3f} mm",
+            span_of(program, row),
+            block=row + 1,
+            length_mm=int(b["count"][row]) / per,
+        )
+        findings.append(_with_rest(d, more))
     if limits is not None:
-        size = np.maximum(np.abs(b["x"]), np.abs(b["y"]))
-        arc = b["kind"] == Kind.ARC
         bound = motion & (b["kind"] != Kind.MOVE) if free_moves else motion
-        report(
-            "block-limit",
-            bound & (b["count"] > limits.count_um),
-            "count length J",
-            b["count"],
-            limits.count_um,
+        findings += _over_limits(program, limits, bound)
+    for row, more in _first(steps < 0):
+        d = error(
+            "endless-block",
+            "block {block} never ends: x {x_um} y {y_um} um, J {count_um} um",
+            span_of(program, row),
+            block=row + 1,
+            x_um=int(b["x"][row]),
+            y_um=int(b["y"][row]),
+            count_um=int(b["count"][row]),
         )
-        report(
-            "block-limit", bound & ~arc & (size > limits.line_um), "x or y", size, limits.line_um
-        )
-        report(
-            "block-limit", arc & (size > limits.arc_um), "start from centre", size, limits.arc_um
-        )
-    bad = np.flatnonzero(steps < 0)
-    for row in bad[:5].tolist():
-        more = f" (and {len(bad) - 5} more)" if len(bad) > 5 and row == bad[4] else ""
-        findings.append(
-            error(
-                "endless-block",
-                f"block {row + 1} never ends: x {int(b['x'][row])} y {int(b['y'][row])} um, "
-                f"J {int(b['count'][row])} um{more}",
-                span_of(program, row),
-            )
-        )
+        findings.append(_with_rest(d, more))
     return findings
+
+
+def _over_limits(program: Program, limits: Limits, bound: Bools) -> list[Diagnostic]:
+    """Return an error for the blocks over a limit, of those that have limits (``bound``)."""
+    b = program.blocks
+    per = per_mm(program)
+    size = np.maximum(np.abs(b["x"]), np.abs(b["y"]))
+    arc = b["kind"] == Kind.ARC
+    findings = []
+    for row, more in _first(bound & (b["count"] > limits.count_um)):
+        d = error(
+            "block-limit",
+            "block {block}: count length J is {length_mm:.3f} mm, the limit is {limit_mm:.3f} mm",
+            span_of(program, row),
+            block=row + 1,
+            length_mm=int(b["count"][row]) / per,
+            limit_mm=limits.count_um / per,
+        )
+        findings.append(_with_rest(d, more))
+    for row, more in _first(bound & ~arc & (size > limits.line_um)):
+        d = error(
+            "block-limit",
+            "block {block}: x or y is {length_mm:.3f} mm, the limit is {limit_mm:.3f} mm",
+            span_of(program, row),
+            block=row + 1,
+            length_mm=int(size[row]) / per,
+            limit_mm=limits.line_um / per,
+        )
+        findings.append(_with_rest(d, more))
+    for row, more in _first(arc & (size > limits.arc_um)):
+        d = error(
+            "block-limit",
+            "block {block}: start from centre is {length_mm:.3f} mm, the limit is "
+            "{limit_mm:.3f} mm",
+            span_of(program, row),
+            block=row + 1,
+            length_mm=int(size[row]) / per,
+            limit_mm=limits.arc_um / per,
+        )
+        findings.append(_with_rest(d, more))
+    return findings
+
+
+def _first(mask: Bools) -> list[tuple[int, int]]:
+    """Return the first rows of a mask, each with how many it stands for that are not listed."""
+    rows = np.flatnonzero(mask)
+    shown: list[int] = rows[:EACH].tolist()
+    rest = len(rows) - len(shown)
+    return [(row, rest if row == shown[-1] else 0) for row in shown]
+
+
+def _with_rest(d: Diagnostic, more: int) -> Diagnostic:
+    """Return the last finding of a sort with how many of it are not listed."""
+    return d.extended(" (and {others} more)", others=more) if more else d

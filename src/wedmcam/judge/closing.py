@@ -19,16 +19,16 @@ from wedmcam.controllers.stepping import Blocks
 from wedmcam.diag import Diagnostic, warning
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.judge.match import EARLY, RECOMPUTED
-from wedmcam.judge.runs import per_mm, runs, span_of
 from wedmcam.judge.segments import Ints
+from wedmcam.judge.stretches import per_mm, place, span_of, stretches
 from wedmcam.judge.totals import MEANT_CLOSED
 from wedmcam.judge.walk import Walk, walk
 
-#: So many contours, and so many values that would close one, are told.
-LISTED = 5
-#: So many blocks of a contour are asked for other values: beyond it the number of answers grows
+#: So many contours, and so many values that would close one, are listed.
+MOST_LISTED = 5
+#: So many blocks of a contour are searched for other values: beyond it the number of answers grows
 #: more than their use.
-ASKED = 20_000
+SEARCHED = 20_000
 #: In so many blocks every digit is tried.
 DIGITS = 500
 #: A size that is solved for is rounded: so many neighbours are tried on either side.
@@ -60,8 +60,8 @@ class Open(NamedTuple):
     leads: Ints | None = None
 
     @property
-    def asked(self) -> Ints:
-        """Rows of the blocks of which another value would make up for the gap."""
+    def searched_rows(self) -> Ints:
+        """Rows of the blocks in which another value would make up for the gap."""
         return self.rows[self.first : self.last] if self.leads is None else self.leads
 
 
@@ -80,13 +80,13 @@ class Change(NamedTuple):
         return f"{value} instead of {self.now} at block {self.row + 1}"
 
     @property
-    def rank(self) -> tuple[int, bool, int, int]:
+    def rank(self) -> tuple[int, bool, int, int, str]:
         """Fewest characters first: a slip of the finger changes, adds or drops one.
 
-        Then J and G before X and Y, of which many do as well.
+        Then J and G before X and Y, many of which do as well.
         """
         by = abs(int(self.then) - int(self.now)) if self.field in ("X", "Y", "J") else 0
-        return _slips(self.now, self.then), self.field in ("X", "Y"), by, self.row
+        return _slips(self.now, self.then), self.field in ("X", "Y"), by, self.row, self.field
 
 
 def _slips(a: str, b: str) -> int:
@@ -124,7 +124,7 @@ def not_closed(
     if (way.steps < 0).any():
         return []  # a block that never ends comes first, and is an error
     per = per_mm(program)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     more = 0
     for one in open_contours(way):
         changes = [] if quadrant is None or textbook else closing_changes(way, one, quadrant)
@@ -132,52 +132,54 @@ def not_closed(
             continue
         if textbook and np.hypot(*one.gap) <= RECOMPUTED:
             continue
-        if len(found) == LISTED:
+        if len(findings) == MOST_LISTED:
             more += 1
             continue
         row = int(one.rows[one.last - 1])
         dx, dy = one.gap
         x, y = way.start[int(one.rows[one.first])].tolist()
-        gap = float(np.hypot(dx, dy)) / per
-        begins = int(one.rows[one.first]) + 1
-        missing = f"{gap:.3f} mm from {{}} ({dx / per:+.3f}, {dy / per:+.3f})"
-        text = (
-            f"block {row + 1} should close the contour that begins with block {begins}, and ends "
-            + missing.format("its start")
-            if one.leads is None
-            else f"block {row + 1} should lead back to where the wire is threaded for block "
-            f"{begins}, and ends " + missing.format("there")
-        )
-        found.append(
+        searched = quadrant is not None and not textbook
+        findings.append(
             warning(
                 "not-closed",
-                text,
+                "block {block} should close the contour that begins with block {first}, and ends "
+                "{gap_mm:.3f} mm from its start ({dx_mm:+.3f}, {dy_mm:+.3f})"
+                if one.leads is None
+                else "block {block} should lead back to where the wire is threaded for block "
+                "{first}, and ends {gap_mm:.3f} mm from there ({dx_mm:+.3f}, {dy_mm:+.3f})",
                 span_of(program, row),
-                hint=_advice(changes, quadrant is not None and not textbook),
-                points_mm=((x / per, y / per),),
+                hint=None
+                if not searched
+                else "no other single value of X, Y, J or G would close it"
+                if not changes
+                else "{changes} closes it"
+                if len(changes) == 1
+                else "{changes} would close it",
+                points_mm=(place(x, y, per),),
+                block=row + 1,
+                first=int(one.rows[one.first]) + 1,
+                gap_mm=float(np.hypot(dx, dy)) / per,
+                dx_mm=dx / per,
+                dy_mm=dy / per,
+                changes=_in_words(changes),
             )
         )
     if more:
-        found.append(warning("not-closed", f"and {more} more contours do not close", count=more))
-    return found
+        findings.append(warning("not-closed", "and {count} more contours do not close", count=more))
+    return findings
 
 
-def _advice(changes: Sequence[Change], asked: bool) -> str | None:
-    """Return which changes would close a contour, the likeliest first."""
-    if not asked:
-        return None
-    if not changes:
-        return "no other single value of X, Y, J or G would close it"
-    told = "; or ".join(change.text for change in changes[:LISTED])
-    if len(changes) > LISTED:
-        told += f"; and {len(changes) - LISTED} more"
-    return f"{told} {'closes' if len(changes) == 1 else 'would close'} it"
+def _in_words(changes: Sequence[Change]) -> str:
+    """Return the changes that would close a contour, the likeliest first."""
+    text = "; or ".join(change.text for change in changes[:MOST_LISTED])
+    more = len(changes) - MOST_LISTED
+    return f"{text}; and {more} more" if more > 0 else text
 
 
 def open_contours(way: Walk) -> Iterator[Open]:
     """Yield the contours that do not close, of those between two threadings of the wire."""
     held: list[Ints] = []
-    for run in runs(way):
+    for run in stretches(way):
         if held and not run.joined:
             yield from _open(way, np.concatenate(held))
             held = []
@@ -240,8 +242,8 @@ def _back(way: Walk, rows: Ints, ways: Ints, k: int) -> bool:
 
 def closing_changes(way: Walk, one: Open, quadrant: Quadrant) -> list[Change]:
     """Return the values that would close a contour, one at a time, the likeliest first."""
-    rows = one.asked
-    if len(rows) > ASKED:
+    rows = one.searched_rows
+    if len(rows) > SEARCHED:
         return []
     wanted = way.end[rows] - way.start[rows] - np.array(one.gap)
     tried = [*_counts(way, rows, wanted), *_sizes(way, rows, wanted), *_signs(way, rows)]

@@ -11,8 +11,8 @@ from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.deviation import measure
 from wedmcam.judge.followed import Followed, Terms, places
-from wedmcam.judge.runs import per_mm
 from wedmcam.judge.segments import Floats, Ints
+from wedmcam.judge.stretches import per_mm
 from wedmcam.judge.verdict import BlockTable, Count, CutVerdict, Verdict
 from wedmcam.judge.walk import Walk
 

@@ -18,7 +18,7 @@ is a piece: a run of places beside one line or arc. In a piece
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -66,12 +66,13 @@ class Measured:
         return np.maximum(np.maximum(-self.low, self.high), self.gap)
 
 
-class Pieces(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
     """Places of a chunk parted at the route's vertices; pieces may be empty."""
 
     segment: Ints
     block: Ints
-    count: Ints  # type: ignore[assignment]
+    count: Ints
     low: Floats
     high: Floats
 

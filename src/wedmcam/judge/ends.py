@@ -10,10 +10,10 @@ import numpy as np
 from wedmcam.diag import Diagnostic, Severity, error, note
 from wedmcam.ir.plan import Cut
 from wedmcam.ir.program import Kind
-from wedmcam.judge.followed import Followed, last_row, places, where_it_ends
+from wedmcam.judge.followed import Followed, last_row, places
 from wedmcam.judge.measured import Measured
-from wedmcam.judge.runs import Assigned, mm, span_of
 from wedmcam.judge.segments import Floats, Ints
+from wedmcam.judge.stretches import Assigned, span_of
 from wedmcam.judge.track import LOST
 from wedmcam.judge.walk import Walk
 
@@ -50,9 +50,15 @@ def moves_on(f: Followed) -> Measured:
     row = int(moves[-1])
     if (f.way.end[row] == f.way.end[last]).all():
         return Measured([])
-    text = "moves on behind the last cut: the program does not end where the plan ends"
-    found = [f.block_error("thread-point", row, text)]
-    return Measured(found if f.terms.strict_order else as_notes(found))
+    findings = [
+        error(
+            "thread-point",
+            "block {block} moves on behind the last cut: the program does not end where the plan "
+            "ends; it ends at {end}",
+            **f.of_block(row),
+        )
+    ]
+    return Measured(findings if f.terms.strict_order else as_notes(findings))
 
 
 def _ends(f: Followed, k: int) -> tuple[float | None, list[Diagnostic]]:
@@ -67,19 +73,16 @@ def _ends(f: Followed, k: int) -> tuple[float | None, list[Diagnostic]]:
     end = f.way.end[last]
     limit = TEXTBOOK_CLOSURE if f.count == "textbook" else 0.0
     if high[-1] < f.route.high[k] - LOST:
-        left = float(f.route.high[k] - high[-1]) / f.per
-        findings.append(
-            f.block_error(
-                "missing-piece",
-                last,
-                f"is the last of cut {a.cut + 1}, {left:.3f} mm before its end"
-                + where_it_ends(f.way, last),
-            )
+        short = error(
+            "missing-piece",
+            "block {block} is the last of cut {cut}, {left_mm:.3f} mm before its end",
+            **f.of_block(last),
+            cut=a.cut + 1,
+            left_mm=float(f.route.high[k] - high[-1]) / f.per,
         )
+        findings.append(_with_end(short, f, last))
     elif wrong := _wrong_end(f, a, cut, end, limit):
-        if tuple(end.tolist()) != cut.thread:
-            wrong += where_it_ends(f.way, last)
-        findings.append(f.block_error("thread-point", last, wrong))
+        findings.append(_with_end(wrong, f, last, tuple(end.tolist()) == cut.thread))
     if f.terms.fitted and not cut.path.closed:
         findings.extend(_loose_start(f, a, cut))
     pauses = _pauses(f, k, high)
@@ -97,11 +100,13 @@ def _ends(f: Followed, k: int) -> tuple[float | None, list[Diagnostic]]:
     block = int(a.index[max(p1 - 1, 0)])
     if off > LOST:
         findings.append(
-            f.block_error(
+            error(
                 "not-closed",
-                block,
-                f"is the last before the end of cut {a.cut + 1}, but no block ends where the "
-                f"contour closes ({off / f.per:.3f} mm off)",
+                "block {block} is the last before the end of cut {cut}, but no block ends where "
+                "the contour closes ({off_mm:.3f} mm off); it ends at {end}",
+                **f.of_block(block),
+                cut=a.cut + 1,
+                off_mm=off / f.per,
             )
         )
         return None, findings
@@ -110,61 +115,95 @@ def _ends(f: Followed, k: int) -> tuple[float | None, list[Diagnostic]]:
         block = int(a.index[a.closing])
         closure, limit = _passed(f.way, block, stands[p0]), f.terms.path_limit_um
     if closure > limit:
-        x, y = stands[p0]
         findings.append(
-            f.block_error(
+            error(
                 "not-closed",
-                block,
-                f"ends cut {a.cut + 1} {closure / f.per:.4f} mm from where it started "
-                f"({mm(x, y, f.per)} mm)",
+                "block {block} ends cut {cut} {closure_mm:.4f} mm from where it started "
+                "({start}); it ends at {end}",
+                **f.of_block(block),
+                cut=a.cut + 1,
+                closure_mm=closure / f.per,
+                start=f.place(*stands[p0]),
             )
         )
     elif closure > 0 and a.closing < 0:
         findings.append(
             note(
                 "not-closed",
-                f"cut {a.cut + 1} closes within {closure / f.per:.4f} mm on a controller "
-                "that recomputes arc ends",
+                "cut {cut} closes within {closure_mm:.4f} mm on a controller that recomputes arc "
+                "ends",
+                cut=a.cut + 1,
+                closure_mm=closure / f.per,
             )
         )
     return closure, findings
 
 
-def _wrong_end(f: Followed, a: Assigned, cut: Cut, end: Ints, limit: float) -> str:
-    """Return what is wrong with the place at which a cut ends; empty where nothing is."""
+def _with_end(d: Diagnostic, f: Followed, row: int, threaded: bool = False) -> Diagnostic:
+    """Return a finding on the last block of a cut with where it ends.
+
+    Args:
+        d: the finding.
+        f: the program along its plan.
+        row: of the block.
+        threaded: it ends on the thread point of the plan.
+    """
+    if row == last_row(f.way) and not threaded:
+        d = d.extended(": the program does not end where the plan ends")
+    return d.extended("; it ends at {end}")
+
+
+def _wrong_end(f: Followed, a: Assigned, cut: Cut, end: Ints, limit: float) -> Diagnostic | None:
+    """Return what is wrong with the place at which a cut ends; None where nothing is."""
 
     def off(x: float, y: float) -> float:
         return float(np.hypot(end[0] - x, end[1] - y))
 
     threaded = f.way.start[int(a.index[0])]
-    place = cut.thread if f.terms.strict_order else threaded
-    where = mm(float(place[0]), float(place[1]), f.per)
-    back = f"does not return to the thread point {where} mm of cut {a.cut + 1}"
     if cut.path.closed:
         there = off(*cut.thread) <= limit
         if not f.terms.strict_order:
             there = off(*threaded) <= limit or (there and not f.terms.fitted)
-        return "" if there else back
+        if there:
+            return None
+        return error(
+            "thread-point",
+            "block {block} does not return to the thread point {thread} of cut {cut}",
+            **f.of_block(int(a.index[-1])),
+            thread=f.place(*(cut.thread if f.terms.strict_order else threaded)),
+            cut=a.cut + 1,
+        )
     v = cut.path.vertices[[-1]] if f.terms.strict_order else cut.path.vertices[[0, -1]]
     apart = min(off(x, y) for x, y in zip(v["x"].tolist(), v["y"].tolist(), strict=True))
     if apart <= OPEN_END or (not f.terms.strict_order and off(*threaded) <= limit):
-        return ""
-    return f"ends {apart / f.per:.3f} mm from the end of the path of cut {a.cut + 1}"
+        return None
+    return error(
+        "thread-point",
+        "block {block} ends {apart_mm:.3f} mm from the end of the path of cut {cut}",
+        **f.of_block(int(a.index[-1])),
+        apart_mm=apart / f.per,
+        cut=a.cut + 1,
+    )
 
 
 def _loose_start(f: Followed, a: Assigned, cut: Cut) -> list[Diagnostic]:
     """Report an open cut that is threaded elsewhere, where nothing else ties its start."""
-    (x, y), (tx, ty) = f.way.start[int(a.index[0])].tolist(), cut.thread
-    if (x, y) == (tx, ty):
+    first = int(a.index[0])
+    threaded = tuple(f.way.start[first].tolist())
+    if threaded == cut.thread:
         return []
+    start = f.place(*threaded)
     return [
         error(
             "thread-point",
-            f"cut {a.cut + 1} is open and threaded at {mm(x, y, f.per)} mm, not at "
-            f"{mm(tx, ty, f.per)} mm, and it is not known where the program starts",
-            span_of(f.program, int(a.index[0])),
+            "cut {cut} is open and threaded at {start}, not at {thread}, and it is not known "
+            "where the program starts",
+            span_of(f.program, first),
             hint="state --origin",
-            points_mm=((x / f.per, y / f.per),),
+            points_mm=(start,),
+            cut=a.cut + 1,
+            start=start,
+            thread=f.place(*cut.thread),
         )
     ]
 
@@ -181,22 +220,27 @@ def _pauses(f: Followed, k: int, high: Floats) -> list[Diagnostic]:
     for p, hit in zip(a.pauses, hits, strict=True):
         if not hit:
             findings.append(
-                f.block_error(
+                error(
                     "stop-point",
-                    int(a.index[p - 1]),
-                    f"is followed by a pause in the middle of cut {a.cut + 1}, where none is "
-                    "asked for",
+                    "block {block} is followed by a pause in the middle of cut {cut}, where none "
+                    "is asked for; it ends at {end}",
+                    **f.of_block(int(a.index[p - 1])),
+                    cut=a.cut + 1,
                 )
             )
     if not np.isnan(wanted) and sum(hits) != 1:
-        x, y = places(f.route, np.array([wanted]))[0]
+        stop = f.place(*places(f.route, np.array([wanted]))[0])
         findings.append(
             error(
                 "stop-point",
-                f"cut {a.cut + 1} has {sum(hits)} pauses {cut.stop_um / f.per:.3f} mm "
-                f"before its end, at {mm(x, y, f.per)} mm; one is asked for",
+                "cut {cut} has {pauses} pauses {stop_mm:.3f} mm before its end, at {stop}; one is "
+                "asked for",
                 span_of(f.program, int(a.index[-1])),
-                points_mm=((float(x) / f.per, float(y) / f.per),),
+                points_mm=(stop,),
+                cut=a.cut + 1,
+                pauses=sum(hits),
+                stop_mm=cut.stop_um / f.per,
+                stop=stop,
             )
         )
     return findings

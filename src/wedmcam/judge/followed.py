@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place
 from wedmcam.ir.plan import Cut, Material, Plan
 from wedmcam.ir.program import Program, Role
 from wedmcam.judge.clearance import as_left
 from wedmcam.judge.material import Kept, kept_material
 from wedmcam.judge.route import Route, plan_route
-from wedmcam.judge.runs import Assigned, assign, mm, per_mm, runs, span_of
 from wedmcam.judge.segments import Bools, Floats, Ints, points_at
+from wedmcam.judge.stretches import Assigned, assign, per_mm, place, span_of, stretches
 from wedmcam.judge.survey import Survey, survey
 from wedmcam.judge.track import Track, track
 from wedmcam.judge.verdict import Count
@@ -23,13 +24,28 @@ from wedmcam.judge.walk import Walk
 
 @dataclass(frozen=True, slots=True)
 class Terms:
-    """What a program is held to; see `judge.judge`. Lengths are steps of the machine."""
+    """What a program is held to.
 
-    path_limit_um: float
-    gouge_limit_um: float
-    trimmed: bool
-    strict_order: bool
-    fitted: bool
+    Attributes:
+        path_limit_um: largest deviation between the wire's way and the exact route, either way,
+            for steps of 1 um; it grows and shrinks with them.
+        gouge_limit_um: largest depth of the wire in the kept material, likewise.
+        trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
+            missing are warnings then.
+        strict_order: False proves the part only: order, sense, start and leads may differ from the
+            plan's and are notes.
+        fitted: where the program starts is not known, but was fitted.
+    """
+
+    path_limit_um: float = 2.0
+    gouge_limit_um: float = 1.6
+    trimmed: bool = False
+    strict_order: bool = True
+    fitted: bool = False
+
+
+#: What a program is held to that was compiled here.
+OURS = Terms()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,19 +108,23 @@ class Followed:
         """How many steps go to a mm."""
         return per_mm(self.program)
 
-    def block_error(self, code: str, row: int, text: str) -> Diagnostic:
-        """Return an error on a block, with where it ends."""
-        x, y = (int(v) for v in self.way.end[row])
-        return error(
-            code,
-            f"block {row + 1} {text}; it ends at {mm(x, y, self.per)} mm",
-            span_of(self.program, row),
-            points_mm=((x / self.per, y / self.per),),
-        )
+    def of_block(self, row: int) -> dict[str, Any]:
+        """Return what a finding holds of a block: its span, its number, and where it ends."""
+        end = self.place(*self.way.end[row])
+        return {
+            "span": span_of(self.program, row),
+            "points_mm": (end,),
+            "block": row + 1,
+            "end": end,
+        }
 
-    def surveyed(self, kept: Kept | None) -> Survey:
+    def place(self, x: float, y: float) -> Place:
+        """Return a place for a finding, from coordinates in steps."""
+        return place(x, y, self.per)
+
+    def survey_with(self, kept: Kept | None) -> Survey:
         """Return the extremes of all rows with a piece of material being kept."""
-        return _surveyed(
+        return _survey(
             self.way, self.index, self.track, self.done, self.lead, self.route, kept, self.terms
         )
 
@@ -121,19 +141,23 @@ def follow(
         count: see `judge.judge`.
     """
     if terms.strict_order:
-        assigned, found = assign(program, runs(way), plan.cuts)
+        assigned, found = assign(program, stretches(way), plan.cuts)
+        if not assigned:
+            return None, found
         cuts = [plan.cuts[a.cut] for a in assigned]
         backwards = [False] * len(cuts)
-        route = plan_route(cuts) if cuts else None
+        route = plan_route(cuts)
     else:
         from wedmcam.judge.match import match
 
-        assigned, cuts, route, backwards, found = match(way, program, plan)
-    if route is None:
-        return None, found
+        matched, found = match(way, program, plan)
+        if matched is None:
+            return None, found
+        assigned, cuts, route = matched.assigned, matched.cuts, matched.route
+        backwards = matched.backwards
     index = np.concatenate([a.index for a in assigned])
     cut_of = np.repeat(np.arange(len(assigned)), [len(a.index) for a in assigned])
-    t = tracked(way, route, assigned)
+    t = track_cuts(way, route, assigned)
     done = ~np.isnan(t.high)
     closed = np.array([not (c.outline is not None and not c.outline.closed) for c in cuts])
     held = []
@@ -144,7 +168,7 @@ def follow(
     role = _roles(route, t)
     lead = np.zeros(len(index), bool)
     lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)
-    m = _surveyed(way, index, t, done, lead, route, held[0].kept if held else None, terms)
+    m = _survey(way, index, t, done, lead, route, held[0].kept if held else None, terms)
     deviation = np.full(len(index), np.nan)
     deviation[done] = m.deviation
     first = np.searchsorted(cut_of, np.arange(len(assigned) + 1))
@@ -173,7 +197,7 @@ def follow(
     )
 
 
-def _surveyed(
+def _survey(
     way: Walk,
     index: Ints,
     t: Track,
@@ -196,7 +220,7 @@ def _surveyed(
     )
 
 
-def tracked(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:
+def track_cuts(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:
     """Return where on the route all blocks of all cuts begin and end."""
     count = np.array([len(a.index) for a in assigned])
     index = np.concatenate([a.index for a in assigned])
@@ -230,8 +254,3 @@ def places(route: Route, at: Floats) -> Floats:
 def last_row(way: Walk) -> int:
     """Return the row of the last block that cuts."""
     return int(np.flatnonzero(way.cutting & (way.steps > 0))[-1])
-
-
-def where_it_ends(way: Walk, row: int) -> str:
-    """Return what it means that a block ends at a wrong place, if it is the last."""
-    return ": the program does not end where the plan ends" if row == last_row(way) else ""

@@ -62,8 +62,8 @@ def in_steps(plan: Plan, step_um: float) -> Plan:
     )
 
 
-def told_in_um(v: Verdict, step_um: float) -> Verdict:
-    """Return a verdict of which the lengths are in um and not in steps; mm are mm already."""
+def verdict_in_um(v: Verdict, step_um: float) -> Verdict:
+    """Return a verdict whose lengths are in um and not in steps; mm are mm already."""
     if step_um == 1:
         return v
 
@@ -89,7 +89,8 @@ def told_in_um(v: Verdict, step_um: float) -> Verdict:
 
     x, y = v.origin_um
     x0, y0, x1, y1 = (e * step_um for e in v.extents_um)
-    return v._replace(
+    return replace(
+        v,
         closure_um=um(v.closure_um),
         max_deviation_um=v.max_deviation_um * step_um,
         lead_deviation_um=v.lead_deviation_um * step_um,

@@ -26,6 +26,7 @@ order an error.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, error, has_errors, warning
@@ -34,8 +35,8 @@ from wedmcam.ir.program import Program
 from wedmcam.judge.checks import Limits, check_blocks
 from wedmcam.judge.conclusion import verdict_of, verdict_of_nothing
 from wedmcam.judge.ends import closes, moves_on
-from wedmcam.judge.followed import Followed, Terms, follow
-from wedmcam.judge.in_steps import in_steps, told_in_um
+from wedmcam.judge.followed import OURS, Followed, Terms, follow
+from wedmcam.judge.in_steps import in_steps, verdict_in_um
 from wedmcam.judge.keeping import keeps_the_part
 from wedmcam.judge.leads import meet_no_cut
 from wedmcam.judge.measured import Measured
@@ -55,12 +56,8 @@ def judge(
     stepping: Stepping,
     limits: Limits | None = None,
     count: Count = "exact",
-    path_limit_um: float = 2.0,
-    gouge_limit_um: float = 1.6,
-    strict_order: bool = True,
-    trimmed: bool = False,
-    fitted: bool = False,
     free_moves: bool = False,
+    terms: Terms = OURS,
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge a decoded program.
 
@@ -73,15 +70,8 @@ def judge(
         count: "exact" for a controller that counts steps; "textbook" for one that recomputes arc
             ends: then the verdict is for that one, and what a step-counting controller would do
             is told beside it.
-        path_limit_um: largest deviation between the wire's way and the exact route, either way,
-            for steps of 1 um; it grows and shrinks with them.
-        gouge_limit_um: largest depth of the wire in the kept material, likewise.
-        strict_order: False proves the part only: order, sense, start and leads may differ from the
-            plan's and are notes.
-        fitted: where the program starts is not known, but was fitted.
         free_moves: moves between cuts have no limit (G00).
-        trimmed: the plan leaves out places narrower than the wire on purpose; pieces that are
-            missing are warnings then.
+        terms: what the program is held to.
 
     Returns:
         The verdict, and findings; ``ok`` is that none of them is an error.
@@ -89,33 +79,40 @@ def judge(
     way = walk(program, stepping, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps, free_moves)
     plan = in_steps(plan, program.step_um)
-    terms = Terms(path_limit_um, gouge_limit_um, trimmed, strict_order, fitted)
-    verdict, found = _judged(program, plan, terms, way, count)
-    verdict = told_in_um(verdict, program.step_um)
+    verdict, found = _judge(program, plan, terms, way, count)
+    verdict = verdict_in_um(verdict, program.step_um)
     findings.extend(found)
     if count == "textbook":
-        stepped, _ = _judged(program, plan, terms, walk(program, stepping), "exact")
-        stepped = told_in_um(stepped, program.step_um)
-        verdict = verdict._replace(
+        stepped, _ = _judge(program, plan, terms, walk(program, stepping), "exact")
+        stepped = verdict_in_um(stepped, program.step_um)
+        verdict = replace(
+            verdict,
             stepped_closure_um=stepped.closure_um,
             stepped_max_deviation_um=stepped.max_deviation_um,
             stepped_gouge_um=stepped.gouge_um,
         )
         if not stepped.ok:
-            closure = stepped.closure_um
-            findings.append(
-                warning(
-                    "stepped-differs",
-                    "a controller that counts steps would leave the wire path by "
-                    f"{stepped.max_deviation_um / 1000.0:.3f} mm and close the contours within "
-                    f"{'no' if closure is None else f'{closure / 1000.0:.3f}'} mm",
-                    hint="compile with --count exact for such a controller",
-                )
-            )
-    return verdict._replace(ok=not has_errors(findings)), findings
+            findings.append(_stepped_differs(stepped))
+    return replace(verdict, ok=not has_errors(findings)), findings
 
 
-def _judged(
+def _stepped_differs(stepped: Verdict) -> Diagnostic:
+    """Return what a controller that counts steps would do; the verdict on it is in um."""
+    closure = stepped.closure_um
+    return warning(
+        "stepped-differs",
+        "a controller that counts steps would leave the wire path by {deviation_mm:.3f} mm and "
+        "close the contours within no mm"
+        if closure is None
+        else "a controller that counts steps would leave the wire path by {deviation_mm:.3f} mm "
+        "and close the contours within {closure_mm:.3f} mm",
+        hint="compile with --count exact for such a controller",
+        deviation_mm=stepped.max_deviation_um / 1000.0,
+        closure_mm=None if closure is None else closure / 1000.0,
+    )
+
+
+def _judge(
     program: Program, plan: Plan, terms: Terms, way: Walk, count: Count
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge what one machine does; all lengths in its steps."""
@@ -129,9 +126,9 @@ def _judged(
     measured = [measure(followed) for measure in WAY]
     findings += [d for m in measured for d in m.findings]
     if terms.strict_order and has_errors(findings):
-        from wedmcam.judge.match import repeated
+        from wedmcam.judge.match import repeated_cuts
 
-        findings += repeated(way, program, plan)
+        findings += repeated_cuts(way, program, plan)
     material = keeps_the_part(followed)
     findings += material.findings
     closures = [c for m in measured for c in m.closures]

@@ -10,7 +10,7 @@ from wedmcam.judge.beside import entered
 from wedmcam.judge.followed import Followed, Held
 from wedmcam.judge.material import coverage, wrong_side
 from wedmcam.judge.measured import Measured
-from wedmcam.judge.runs import mm, span_of
+from wedmcam.judge.stretches import span_of
 from wedmcam.judge.survey import Survey
 
 
@@ -19,7 +19,7 @@ def keeps_the_part(f: Followed) -> Measured:
     findings: list[Diagnostic] = []
     gouge, uncut = None, None
     for held in f.held:
-        m = f.survey if held is f.held[0] else f.surveyed(held.kept)
+        m = f.survey if held is f.held[0] else f.survey_with(held.kept)
         deep = _gouge(findings, f, held, m)
         gouge = max(deep, gouge or 0.0)
         left = _coverage(findings, f, held.material)
@@ -31,9 +31,12 @@ def keeps_the_part(f: Followed) -> Measured:
             findings.append(
                 error(
                     "gouge",
-                    f"the wire of cut {c + 1} enters what is kept of another part of the plate "
-                    f"by {um / f.per:.3f} mm, near {mm(x, y, f.per)} mm",
-                    points_mm=((x / f.per, y / f.per),),
+                    "the wire of cut {cut} enters what is kept of another part of the plate by "
+                    "{depth_mm:.3f} mm, near {place}",
+                    points_mm=(f.place(x, y),),
+                    cut=c + 1,
+                    depth_mm=um / f.per,
+                    place=f.place(x, y),
                 )
             )
             gouge = max(um, gouge or 0.0)
@@ -47,24 +50,29 @@ def _gouge(findings: list[Diagnostic], f: Followed, held: Held, m: Survey) -> fl
         findings.append(
             error(
                 "gouge",
-                f"the wire path of cut {c + 1} runs inside the material that is to be kept at "
-                f"{mm(x, y, f.per)} mm; the wire is {um / f.per:.3f} mm deep in it",
-                points_mm=((x / f.per, y / f.per),),
+                "the wire path of cut {cut} runs inside the material that is to be kept at "
+                "{place}; the wire is {depth_mm:.3f} mm deep in it",
+                points_mm=(f.place(x, y),),
                 hint="check --side part or die, and the sense of the contour",
+                cut=c + 1,
+                place=f.place(x, y),
+                depth_mm=um / f.per,
             )
         )
         depth = max(depth, um)
     if m.gouge > f.terms.gouge_limit_um:
-        x, y = m.gouge_at
         row = int(f.index[f.done][m.gouge_block])
         findings.append(
             error(
                 "gouge",
-                f"block {row + 1}: the wire enters the kept material by "
-                f"{m.gouge / f.per:.5f} mm at {mm(x, y, f.per)} mm (limit "
-                f"{f.terms.gouge_limit_um / f.per:.5f} mm)",
+                "block {block}: the wire enters the kept material by {depth_mm:.5f} mm at {place} "
+                "(limit {limit_mm:.5f} mm)",
                 span_of(f.program, row),
-                points_mm=((x / f.per, y / f.per),),
+                points_mm=(f.place(*m.gouge_at),),
+                block=row + 1,
+                depth_mm=m.gouge / f.per,
+                place=f.place(*m.gouge_at),
+                limit_mm=f.terms.gouge_limit_um / f.per,
             )
         )
     return depth
@@ -77,32 +85,40 @@ def _coverage(findings: list[Diagnostic], f: Followed, material: Material) -> fl
     uncut_um; that every path of it is run is proven all the same (`deviation`).
     """
     c = coverage(material, f.route)
-    say = warning if f.terms.trimmed else error
+    finding = warning if f.terms.trimmed else error
     whole = {c.number - 1 - material.first for c in f.plan.cuts if c.path.closed}
     cut_of = {c.number - 1 - material.first: k for k, c in enumerate(f.plan.cuts, 1)}
     for outline, share, x, y, um in c.missing:
         if f.plan.partial and outline not in whole:
             continue
-        how = f"the wire stays {um / f.per:.3f} mm off it" if np.isfinite(um) else "no cut"
-        name = f"the outline of cut {cut_of[outline]}" if outline in cut_of else "an outline"
-        what = "is not cut" if share == 1 else f"is not cut on {share:.0%} of its segments"
-        findings.append(
-            say(
+        at = f.place(x, y)
+        if outline in cut_of:
+            missing = finding(
                 "missing-piece",
-                f"{name} {what}, first at {mm(x, y, f.per)} mm: {how}",
-                points_mm=((x / f.per, y / f.per),),
+                "the outline of cut {cut} is not cut",
+                points_mm=(at,),
+                cut=cut_of[outline],
             )
-        )
+        else:
+            missing = finding("missing-piece", "an outline is not cut", points_mm=(at,))
+        if share != 1:
+            missing = missing.extended(" on {share:.0%} of its segments", share=share)
+        missing = missing.extended(", first at {place}", place=at)
+        if np.isfinite(um):
+            missing = missing.extended(": the wire stays {off_mm:.3f} mm off it", off_mm=um / f.per)
+        else:
+            missing = missing.extended(": no cut")
+        findings.append(missing)
     if f.plan.partial:
         return None
     if c.uncut_um > f.terms.path_limit_um:
-        x, y = c.uncut_at
         findings.append(
             note(
                 "uncut-corner",
-                f"the round wire leaves up to {c.uncut_um / f.per:.3f} mm in inner corners, "
-                f"most at {mm(x, y, f.per)} mm",
-                points_mm=((x / f.per, y / f.per),),
+                "the round wire leaves up to {uncut_mm:.3f} mm in inner corners, most at {place}",
+                points_mm=(f.place(*c.uncut_at),),
+                uncut_mm=c.uncut_um / f.per,
+                place=f.place(*c.uncut_at),
             )
         )
     return c.uncut_um

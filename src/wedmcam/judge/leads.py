@@ -15,7 +15,6 @@ from wedmcam.ir.program import Role
 from wedmcam.judge.followed import Followed
 from wedmcam.judge.measured import Measured
 from wedmcam.judge.route import Route
-from wedmcam.judge.runs import mm
 from wedmcam.judge.segments import (
     Ints,
     Segments,
@@ -39,9 +38,12 @@ def meet_no_cut(f: Followed) -> Measured:
     found = [
         error(
             "lead-hits",
-            f"a lead of cut {a + 1} meets cut {b + 1} at {mm(x, y, f.per)} mm",
-            points_mm=((x / f.per, y / f.per),),
+            "a lead of cut {cut} meets cut {other} at {place}",
+            points_mm=(f.place(x, y),),
             hint="a lead may run in scrap only, and meet no other cut",
+            cut=a + 1,
+            other=b + 1,
+            place=f.place(x, y),
         )
         for a, b, x, y in hits(
             f.route,

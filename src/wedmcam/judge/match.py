@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from wedmcam.diag import Diagnostic, error, note, warning
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.judge.route import Route, assemble, overcut
-from wedmcam.judge.runs import SOME_CONTOURS, Assigned, mm, per_mm, runs, span_of
 from wedmcam.judge.segments import (
     Floats,
     Ints,
@@ -34,6 +33,7 @@ from wedmcam.judge.segments import (
     segments,
     sub_segments,
 )
+from wedmcam.judge.stretches import SOME_CONTOURS, Assigned, per_mm, place, span_of, stretches
 from wedmcam.judge.track import LOST, progress
 from wedmcam.judge.walk import Walk
 
@@ -43,8 +43,8 @@ SAME_BOX = LOST
 #: Ways in and out are the same within this, um: ends are rounded, and a stair has no length.
 SAME_LEAD = 5.0
 
-#: So many ways in and out are told one by one.
-LISTED = 10
+#: So many ways in and out are listed one by one.
+LEADS_LISTED = 10
 
 #: A contour begins within so many blocks of a piece, and ends at one of so many returns.
 EARLY = 6
@@ -60,7 +60,8 @@ BY = 2.0
 MIDDLES = 6.0
 
 
-class Piece(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
     """Blocks between two threadings, and the contour among them.
 
     Attributes:
@@ -77,7 +78,7 @@ class Piece(NamedTuple):
             there.
     """
 
-    index: Ints  # type: ignore[assignment]
+    index: Ints
     pauses: tuple[int, ...]
     first: int
     last: int
@@ -100,7 +101,7 @@ def pieces(way: Walk) -> list[Piece]:
     held: list[Ints] = []
     pauses: list[int] = []
     start = end = (0, 0)
-    for run in runs(way):
+    for run in stretches(way):
         if held and (not run.joined or end == start):
             out += _passes(way, np.concatenate(held), tuple(pauses))
             held, pauses = [], []
@@ -201,13 +202,13 @@ def _runs_on(way: Walk, index: Ints, pauses: tuple[int, ...]) -> Piece | None:
             held = _cut_out(way, index, pauses, first, k + 1)
             if abs(held.area) > 0.5 * most:
                 return (
-                    held if not past else held._replace(closed=True, again=0, turns=(), past=past)
+                    held if not past else replace(held, closed=True, again=0, turns=(), past=past)
                 )
     return None
 
 
 def _cut_out(way: Walk, index: Ints, pauses: tuple[int, ...], first: int, last: int) -> Piece:
-    """Return blocks of which ``first`` to ``last`` are the contour."""
+    """Return blocks whose contour is ``first`` to ``last``."""
     ends = np.concatenate([way.start[index[:1]], way.end[index]])
     room = RECOMPUTED if way.textbook else 0.0
 
@@ -266,7 +267,7 @@ def _along(way: Walk, piece: Piece, cut: Cut) -> Piece | None:
     box, area = _measured(way, piece.index[first:last])
     start = ends[first]  # places begin behind the first step
     box = np.concatenate([np.minimum(box[:2], start), np.maximum(box[2:], start)])
-    return piece._replace(first=first, last=last, turns=(), box=box, area=area)
+    return replace(piece, first=first, last=last, turns=(), box=box, area=area)
 
 
 def _retraced(way: Walk, there: int, back: int) -> bool:
@@ -291,25 +292,65 @@ def path_area(s: Segments) -> float:
     return float((chords + caps).sum()) / 2.0
 
 
-def match(
-    way: Walk, program: Program, plan: Plan
-) -> tuple[list[Assigned], list[Cut], Route | None, list[bool], list[Diagnostic]]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Match:
+    """A program laid on a plan.
+
+    Attributes:
+        assigned: the blocks of each cut, in the program's order.
+        cuts: of the plan, one an entry of ``assigned``.
+        route: as the program takes it.
+        backwards: for each whether it runs against the plan's sense.
+    """
+
+    assigned: list[Assigned]
+    cuts: list[Cut]
+    route: Route
+    backwards: list[bool]
+
+
+def match(way: Walk, program: Program, plan: Plan) -> tuple[Match | None, list[Diagnostic]]:
     """Match the pieces of a program with the planned cuts.
 
     Returns:
-        The blocks of each cut in the program's order, the cuts, the route as the program takes it,
-        whether each runs against the plan's sense, and findings: an error for each cut that is
-        missing and each piece that is none, a warning for each that is run again, notes for what
-        is other than planned.
+        The match, None where no piece is a cut of the plan; and findings: an error for each cut
+        that is missing and each piece that is none, a warning for each that is run again, notes for
+        what is other than planned.
     """
-    per = per_mm(program)
-    findings: list[Diagnostic] = []
-    runs_of: Counter[int] = Counter()
+    held, findings = _pieces_of_cuts(way, program, plan)
+    findings += _missing(program, plan, {k for _, k in held})
+    if not held:
+        return None, findings
     assigned: list[Assigned] = []
     backwards: list[bool] = []
-    parts: list[tuple[Segments, int, int]] = []
-    pieces_of: list[tuple[Piece, int]] = []
-    for piece, k in paired(way, plan):
+    parts: list[tuple[Segments, Role, int]] = []
+    for number, (piece, k) in enumerate(held):
+        path, back = _as_run(way, piece, plan.cuts[k])
+        parts += [(s, role, number) for s, role in _route_of(way, piece, path)]
+        closing = piece.last - 1 if piece.past else -1
+        assigned.append(Assigned(k, piece.index, piece.pauses, closing))
+        backwards.append(back)
+    findings += _other_order(way, program, plan, assigned, backwards)
+    findings += _other_leads(way, program, plan, held)
+    cuts = [plan.cuts[a.cut] for a in assigned]
+    route = assemble(
+        join(s for s, _, _ in parts),
+        np.concatenate([np.full(len(s), int(role)) for s, role, _ in parts]),
+        np.concatenate([np.full(len(s), number) for s, _, number in parts]),
+        np.array([c.path.closed for c in cuts]),
+        way.start[[int(a.index[0]) for a in assigned]],
+    )
+    return Match(assigned, cuts, route, backwards), findings
+
+
+def _pieces_of_cuts(
+    way: Walk, program: Program, plan: Plan
+) -> tuple[list[tuple[Piece, int]], list[Diagnostic]]:
+    """Return the pieces that are cuts of the plan, each with its cut, and report the others."""
+    findings: list[Diagnostic] = []
+    runs_of: Counter[int] = Counter()
+    held = []
+    for piece, k in pair_with_cuts(way, plan):
         if k < 0:
             findings.append(_stranger(way, program, piece))
             continue
@@ -317,66 +358,86 @@ def match(
         runs_of[k] += piece.again + 1
         if more:
             findings.append(_again(way, program, piece, k, runs_of[k], warning))
-        path, back = _as_run(way, piece, plan.cuts[k])
-        number = len(assigned)
-        parts.append((_own(way, piece.index[: piece.first]), int(Role.LEAD_IN), number))
-        parts.append((path, int(Role.CONTOUR), number))
-        if piece.past:
-            parts.append((overcut(path, piece.past), int(Role.OVERCUT), number))
-        here = piece.last
-        for turn in piece.turns:
-            _, area = _measured(way, piece.index[here:turn])
-            same = (area > 0) == (piece.area > 0)
-            parts.append((path if same else reverse(path), int(Role.OVERCUT), number))
-            here = turn
-        parts.append((_own(way, piece.index[piece.out :]), int(Role.LEAD_OUT), number))
-        pieces_of.append((piece, k))
-        closing = piece.last - 1 if piece.past else -1
-        assigned.append(Assigned(k, piece.index, piece.pauses, closing))
-        backwards.append(back)
-    for k in sorted(set(range(len(plan.cuts))) - set(runs_of)):
-        x, y = path_box(plan.cuts[k])[:2]
+        held.append((piece, k))
+    return held, findings
+
+
+def _route_of(way: Walk, piece: Piece, path: Segments) -> Iterator[tuple[Segments, Role]]:
+    """Yield the stretches of the route that a piece takes: its own leads about the planned path."""
+    yield _own(way, piece.index[: piece.first]), Role.LEAD_IN
+    yield path, Role.CONTOUR
+    if piece.past:
+        yield overcut(path, piece.past), Role.OVERCUT
+    here = piece.last
+    for turn in piece.turns:
+        _, area = _measured(way, piece.index[here:turn])
+        same = (area > 0) == (piece.area > 0)
+        yield (path if same else reverse(path)), Role.OVERCUT
+        here = turn
+    yield _own(way, piece.index[piece.out :]), Role.LEAD_OUT
+
+
+def _missing(program: Program, plan: Plan, there: set[int]) -> list[Diagnostic]:
+    """Return an error for each cut of the plan that is not among the numbers ``there``."""
+    per = per_mm(program)
+    findings = []
+    for k in sorted(set(range(len(plan.cuts))) - there):
+        x, y = path_box(plan.cuts[k])[:2].tolist()
         findings.append(
             error(
                 "missing-cut",
-                f"cut {k + 1} (low corner {mm(x, y, per)} mm) is not in the program",
-                points_mm=((float(x) / per, float(y) / per),),
+                "cut {cut} (low corner {corner}) is not in the program",
+                points_mm=(place(x, y, per),),
+                cut=k + 1,
+                corner=place(x, y, per),
             )
         )
-    if not assigned:
-        return [], [], None, [], findings
-    cuts = [plan.cuts[a.cut] for a in assigned]
+    return findings
+
+
+def _other_order(
+    way: Walk,
+    program: Program,
+    plan: Plan,
+    assigned: Sequence[Assigned],
+    backwards: Sequence[bool],
+) -> list[Diagnostic]:
+    """Return notes on another order, another sense, and other thread points than the plan's."""
+    per = per_mm(program)
+    findings: list[Diagnostic] = []
     order = list(dict.fromkeys(a.cut for a in assigned))
     if order != sorted(order):
-        said = ", ".join(str(k + 1) for k in order)
-        findings.append(note("other-order", f"the program cuts the contours in the order {said}"))
+        findings.append(
+            note(
+                "other-order",
+                "the program cuts the contours in the order {order}",
+                order=", ".join(str(k + 1) for k in order),
+            )
+        )
     for a, back in zip(assigned, backwards, strict=True):
+        first = int(a.index[0])
         if back:
             findings.append(
                 note(
                     "other-order",
-                    f"cut {a.cut + 1} is run against the sense of the plan",
-                    span_of(program, int(a.index[0])),
+                    "cut {cut} is run against the sense of the plan",
+                    span_of(program, first),
+                    cut=a.cut + 1,
                 )
             )
-        x, y = (int(v) for v in way.start[int(a.index[0])])
+        x, y = way.start[first].tolist()
         if (x, y) != plan.cuts[a.cut].thread:
-            tx, ty = plan.cuts[a.cut].thread
             findings.append(
                 note(
                     "other-order",
-                    f"cut {a.cut + 1} is threaded at {mm(x, y, per)} mm, not at "
-                    f"{mm(tx, ty, per)} mm",
-                    span_of(program, int(a.index[0])),
+                    "cut {cut} is threaded at {start}, not at {thread}",
+                    span_of(program, first),
+                    cut=a.cut + 1,
+                    start=place(x, y, per),
+                    thread=place(*plan.cuts[a.cut].thread, per),
                 )
             )
-    findings.extend(_other_leads(way, program, plan, pieces_of))
-    held = join(p[0] for p in parts)
-    role = np.concatenate([np.full(len(p[0]), p[1]) for p in parts])
-    cut_of = np.concatenate([np.full(len(p[0]), p[2]) for p in parts])
-    closed = np.array([c.path.closed for c in cuts])
-    thread = way.start[[int(a.index[0]) for a in assigned]]
-    return assigned, cuts, assemble(held, role, cut_of, closed, thread), backwards, findings
+    return findings
 
 
 def _other_leads(
@@ -390,44 +451,81 @@ def _other_leads(
     """
     per = per_mm(program)
     length = way.lengths()
-    told: list[Diagnostic] = []
+    notes: list[Diagnostic] = []
     for piece, k in held:
         cut = plan.cuts[k]
-        index, row = piece.index, int(piece.index[piece.first])
-        threaded = way.start[int(index[0])].astype(float)
-        x, y = way.start[row].astype(float).tolist()
-        v = cut.path.vertices[0]
-        arrives = float(np.hypot(x - v["x"], y - v["y"]))
-        straight = float(np.hypot(x - threaded[0], y - threaded[1]))
-        way_in = float(length[index[: piece.first]].sum())
+        index = piece.index
+        if (arrival := _other_way_in(way, program, piece, cut, length, k)) is not None:
+            notes.append(arrival)
+        start, thread = (way.start[int(index[p])].astype(float) for p in (piece.first, 0))
+        straight = float(np.hypot(*(start - thread)))
         way_out = float(length[index[piece.out :]].sum())
         back = straight + 2.0 * cut.overcut_um if cut.path.closed else 0.0
-        said = []
-        if arrives > SAME_LEAD and cut.path.closed:
-            said.append(
-                f"arrives at {mm(x, y, per)} mm, the plan's at {mm(v['x'], v['y'], per)} mm"
-            )
-        if way_in - straight > SAME_LEAD:
-            said.append(f"is {way_in / per:.3f} mm long, straight {straight / per:.3f} mm")
-        if said:
-            told.append(_lead_note(program, f"the way into cut {k + 1} " + " and ".join(said), row))
         if abs(way_out - back) > SAME_LEAD:
-            first = int(index[min(piece.out, len(index) - 1)])
-            what = f"is {way_out / per:.3f} mm long" if way_out else "is missing"
-            text = f"the way out of cut {k + 1} {what}, the plan's {back / per:.3f} mm"
-            told.append(_lead_note(program, text, first))
-    more = len(told) - LISTED
+            notes.append(
+                note(
+                    "other-leads",
+                    "the way out of cut {cut} is {length_mm:.3f} mm long, the plan's "
+                    "{planned_mm:.3f} mm"
+                    if way_out
+                    else "the way out of cut {cut} is missing, the plan's {planned_mm:.3f} mm",
+                    span_of(program, int(index[min(piece.out, len(index) - 1)])),
+                    cut=k + 1,
+                    length_mm=way_out / per,
+                    planned_mm=back / per,
+                )
+            )
+    more = len(notes) - LEADS_LISTED
     if more > 1:
-        text = f"and {more} more ways in and out are not the plan's"
-        return [*told[:LISTED], note("other-leads", text, count=more)]
-    return told
+        rest = note(
+            "other-leads", "and {count} more ways in and out are not the plan's", count=more
+        )
+        return [*notes[:LEADS_LISTED], rest]
+    return notes
 
 
-def _lead_note(program: Program, text: str, row: int) -> Diagnostic:
-    return note("other-leads", text, span_of(program, row))
+def _other_way_in(
+    way: Walk, program: Program, piece: Piece, cut: Cut, length: Floats, k: int
+) -> Diagnostic | None:
+    """Return a note where a way in arrives elsewhere, or is longer than straight.
+
+    Args:
+        way, program: what the machine does.
+        piece: the blocks of the cut.
+        cut: as it is planned.
+        length: of each block of the program, steps.
+        k: number of the cut in the plan, from 0.
+    """
+    per = per_mm(program)
+    row = int(piece.index[piece.first])
+    start, thread = (way.start[r].astype(float) for r in (row, int(piece.index[0])))
+    v = cut.path.vertices[0]
+    planned = np.array([float(v["x"]), float(v["y"])])
+    straight = float(np.hypot(*(start - thread)))
+    way_in = float(length[piece.index[: piece.first]].sum())
+    elsewhere = cut.path.closed and float(np.hypot(*(start - planned))) > SAME_LEAD
+    longer = way_in - straight > SAME_LEAD
+    if not elsewhere and not longer:
+        return None
+    d = note("other-leads", "the way into cut {cut}", span_of(program, row), cut=k + 1)
+    if elsewhere:
+        d = d.extended(
+            " arrives at {arrival}, the plan's at {planned}",
+            arrival=place(start[0], start[1], per),
+            planned=place(planned[0], planned[1], per),
+        )
+    if elsewhere and longer:
+        d = d.extended(" and")
+    if longer:
+        d = d.extended(
+            " is {length_mm:.3f} mm long, straight {straight_mm:.3f} mm",
+            length_mm=way_in / per,
+            straight_mm=straight / per,
+        )
+    return d
 
 
-def paired(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
+def pair_with_cuts(way: Walk, plan: Plan) -> list[tuple[Piece, int]]:
     """Return the pieces of a program, each with the number (from 0) of its cut; -1 for none.
 
     A piece that lies where no cut is left, but one was, is that cut once more.
@@ -476,11 +574,11 @@ def lies_on(
     return best
 
 
-def repeated(way: Walk, program: Program, plan: Plan) -> list[Diagnostic]:
+def repeated_cuts(way: Walk, program: Program, plan: Plan) -> list[Diagnostic]:
     """Return an error for each cut of the plan that a program runs again."""
     runs_of: Counter[int] = Counter()
     findings = []
-    for piece, k in paired(way, plan):
+    for piece, k in pair_with_cuts(way, plan):
         more = piece.again + bool(runs_of[k])
         runs_of[k] += piece.again + 1
         if k >= 0 and more:
@@ -494,33 +592,44 @@ def _again(
     piece: Piece,
     k: int,
     times: int,
-    say: Callable[..., Diagnostic],
+    finding: Callable[..., Diagnostic],
 ) -> Diagnostic:
-    per = per_mm(program)
     first = int(piece.index[piece.last if piece.again else piece.first])
     last = int(piece.index[piece.out - 1 if piece.turns or not piece.again else -1])
-    x, y = way.start[first]
-    blocks = f"blocks {first + 1} to {last + 1} run" if last > first else f"block {first + 1} runs"
-    return say(
+    x, y = way.start[first].tolist()
+    again = finding(
         "cut-twice",
-        f"cut {k + 1} is run {'twice' if times == 2 else f'{times} times'}: {blocks} it again",
+        "cut {cut} is run twice" if times == 2 else "cut {cut} is run {times} times",
         span_of(program, first),
-        points_mm=((float(x) / per, float(y) / per),),
+        points_mm=(place(x, y, per_mm(program)),),
+        cut=k + 1,
+        times=times,
+        first=first + 1,
+        last=last + 1,
+    )
+    return again.extended(
+        ": blocks {first} to {last} run it again"
+        if last > first
+        else ": block {first} runs it again"
     )
 
 
 def _stranger(way: Walk, program: Program, piece: Piece) -> Diagnostic:
     per = per_mm(program)
     first = int(piece.index[0])
-    x, y = way.start[first]
-    w, h = piece.box[2:] - piece.box[:2]
+    x, y = way.start[first].tolist()
+    width, height = (piece.box[2:] - piece.box[:2]).tolist()
     return error(
         "extra-cut",
-        f"blocks {first + 1} to {int(piece.index[-1]) + 1} cut a contour of {w / per:.3f} x "
-        f"{h / per:.3f} mm that the plan does not have there",
+        "blocks {first} to {last} cut a contour of {width_mm:.3f} x {height_mm:.3f} mm that the "
+        "plan does not have there",
         span_of(program, first),
         hint=SOME_CONTOURS,
-        points_mm=((float(x) / per, float(y) / per),),
+        points_mm=(place(x, y, per),),
+        first=first + 1,
+        last=int(piece.index[-1]) + 1,
+        width_mm=width / per,
+        height_mm=height / per,
     )
 
 
@@ -541,10 +650,10 @@ def _as_run(way: Walk, piece: Piece, cut: Cut) -> tuple[Segments, bool]:
         back = bool(np.hypot(path.bx[-1] - begin[0], path.by[-1] - begin[1]) < to_start)
         return (reverse(path) if back else path), back
     back = (path_area(path) > 0) != (piece.area > 0)
-    return begun(reverse(path) if back else path, begin[0], begin[1]), back
+    return begin_at(reverse(path) if back else path, begin[0], begin[1]), back
 
 
-def begun(path: Segments, x: float, y: float) -> Segments:
+def begin_at(path: Segments, x: float, y: float) -> Segments:
     """Return a closed path begun at its point nearest to (x, y)."""
     px, py = np.full(len(path), x), np.full(len(path), y)
     k = int(np.argmin(point_distance(path, px, py)))

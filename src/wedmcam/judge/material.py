@@ -8,6 +8,7 @@ radius all show here, even if the plan itself is wrong.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from wedmcam.ir.plan import Material, Side
 from wedmcam.ir.program import Role
 from wedmcam.judge.route import Route, of_contours
 from wedmcam.judge.segments import (
+    Bools,
     Floats,
     Ints,
     Segments,
@@ -37,7 +39,7 @@ WIDTH = 2.0
 #: What is no deeper than this needs no closer bound, um: the stair alone reaches it on most parts.
 SHALLOW = 1.2
 
-#: Fractions of a segment at which it is asked whether the wire reaches it.
+#: Fractions of a segment at which the wire has to reach it.
 FRACTIONS = np.array([0.02, 0.25, 0.5, 0.75, 0.98])
 
 
@@ -52,7 +54,7 @@ class Kept(NamedTuple):
             the exact route is too near. -inf where the segment is not judged (an open contour).
         sides: offset + WIDTH minus the distance of the segment moved `WIDTH` to its left, and to
             its right, shape (2, segments): 0 where that is away from all outlines, 2 WIDTH where
-            it is towards them. NaN where nobody has asked yet.
+            it is towards them. NaN until it is needed (`_fill`).
         first: for each segment of the route, where its outlines begin in ``near``.
         near: outlines beside the segments of the route.
         route: the segments of the route.
@@ -67,17 +69,17 @@ class Kept(NamedTuple):
     near: Ints
     route: Segments
 
-    def _ask(self, segment: Ints) -> None:
+    def _fill(self, segment: Ints) -> None:
         """Fill ``sides`` of segments of the route."""
-        asked = np.flatnonzero(np.bincount(segment, minlength=len(self.here)))
-        asked = asked[np.isnan(self.sides[0, asked])]
-        if not len(asked):
+        new = np.flatnonzero(np.bincount(segment, minlength=len(self.here)))
+        new = new[np.isnan(self.sides[0, new])]
+        if not len(new):
             return
-        count = self.first[asked + 1] - self.first[asked]
+        count = self.first[new + 1] - self.first[new]
         head = np.cumsum(count) - count
-        pair = np.arange(count.sum()) + np.repeat(self.first[asked] - head, count)
-        rows = np.repeat(asked, count)
-        least = np.full((2, len(asked)), np.inf)
+        pair = np.arange(count.sum()) + np.repeat(self.first[new] - head, count)
+        rows = np.repeat(new, count)
+        least = np.full((2, len(new)), np.inf)
         if len(pair):
             # Both sides in one call: calls cost as much as pairs.
             both = shifted(self.route.take(np.tile(rows, 2)), np.repeat([WIDTH, -WIDTH], len(rows)))
@@ -86,7 +88,7 @@ class Kept(NamedTuple):
             for side in (0, 1):
                 part = d[side * len(rows) : (side + 1) * len(rows)]
                 least[side, held] = np.minimum.reduceat(part, head[held])
-        self.sides[:, asked] = self.offset + WIDTH - np.minimum(least, _reach(self.offset))
+        self.sides[:, new] = self.offset + WIDTH - np.minimum(least, _reach(self.offset))
 
     def bound_piece(self, segment: Ints, low: Floats, high: Floats) -> Floats:
         """Return how deep places may be that lie from ``low`` (right) to ``high`` (left), um."""
@@ -96,7 +98,7 @@ class Kept(NamedTuple):
         deep = np.flatnonzero(grow > SHALLOW)
         if not len(deep):
             return grow
-        self._ask(segment[deep])
+        self._fill(segment[deep])
         out = np.full(len(deep), -np.inf)
         for away, side in ((left[deep], self.sides[0]), (right[deep], self.sides[1])):
             most = here[deep] + away
@@ -107,7 +109,7 @@ class Kept(NamedTuple):
 
     def bound(self, segment: Ints, v: Floats) -> Floats:
         """Return how deep places may be that lie ``v`` to the left of their segment, um."""
-        self._ask(segment)
+        self._fill(segment)
         away = np.abs(v)
         side = self.sides[(v <= 0).astype(np.int64), segment]
         grow = self.here[segment] + away
@@ -228,92 +230,181 @@ class Coverage(NamedTuple):
     missing: tuple[tuple[int, float, float, float, float], ...]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outlines:
+    """Closed outlines, and the wire paths beside them.
+
+    Attributes:
+        contours: which outlines of the material are closed, 0-based.
+        outlines: their segments.
+        owner: for each segment, the entry of ``contours``.
+        wanted: whether the wire is to reach the segment.
+        sign: +1 where scrap is to the left of the segment, -1 to its right.
+        path: wire paths and overcuts of the route.
+        near, beside: pairs of a segment of ``path`` and a row of ``outlines`` that lie beside each
+            other, by the second.
+        some: rows of ``outlines`` with a path beside them.
+        first: where the pairs of each of these begin.
+        offset: radius of the wire with its gap.
+        tolerance: how far from its place beside the outline the wire may be.
+    """
+
+    contours: list[int]
+    outlines: Segments
+    owner: Ints
+    wanted: Bools
+    sign: Floats
+    path: Segments
+    near: Segments
+    beside: Ints
+    some: Ints
+    first: Ints
+    offset: float
+    tolerance: float
+
+    @property
+    def span(self) -> float:
+        """How far the nearest wire path is looked for where none lies beside."""
+        return 20.0 * self.offset + 100.0
+
+    def least(self, x: Floats, y: Floats) -> Floats:
+        """Return how far points, one a segment of the outlines, are from the paths beside it."""
+        out = np.full(len(self.outlines), np.inf)
+        if len(self.near):
+            d = point_distance(self.near, x[self.beside], y[self.beside])
+            out[self.some] = np.minimum.reduceat(d, self.first)
+        return out
+
+
+class _Missed(NamedTuple):
+    """Places of outlines that could be reached and are not: segment, place, and how far along."""
+
+    segment: Ints
+    x: Floats
+    y: Floats
+    t: Floats
+
+
 def coverage(material: Material, route: Route, tolerance: float = 2.0) -> Coverage:
     """Return what of the closed outlines the route leaves.
 
     A point of an outline is cut where the wire's centre, set beside it at right angles on the
     scrap side, is within ``tolerance`` of the route. Where it is not although no outline would be
     nearer to the wire than the offset, a piece is missing; where an outline would be, no wire of
-    this radius gets there. Each segment is asked at five points, and at its start for the figure.
+    this radius gets there. Each segment is tried at five points, and at its start for the figure.
     """
-    contours = [c for c in material.outlines if c.closed]
-    depths = [d for c, d in zip(material.outlines, material.depths, strict=True) if c.closed]
-    which_outline = [k for k, c in enumerate(material.outlines) if c.closed]
-    outlines, owner = of_contours(contours)
-    if not len(outlines):
+    if not any(c.closed for c in material.outlines):
         return Coverage(0.0, (0.0, 0.0), ())
-    path_rows = np.flatnonzero((route.role == Role.CONTOUR) | (route.role == Role.OVERCUT))
-    path = route.segments.take(path_rows)
+    a = _outlines(material, route, tolerance)
+    corner_far = _corner_distance(a)
+    missed: list[_Missed] = []
+    uncut, uncut_at = 0.0, (0.0, 0.0)
+    for fraction in FRACTIONS.tolist():
+        left, far, at = _left_at(a, fraction)
+        if left is not None:
+            missed.append(left)
+        if far > uncut:
+            uncut, uncut_at = far, at
+    not_cut = np.zeros(len(a.outlines), bool)
+    for one in missed:
+        not_cut[one.segment] = True
+    corner = corner_far - a.offset
+    corner[not_cut | ~a.wanted | ~np.isfinite(corner_far)] = -np.inf
+    k = int(np.argmax(corner))
+    if corner[k] > max(uncut, 1e-3):
+        uncut, uncut_at = float(corner[k]), (float(a.outlines.ax[k]), float(a.outlines.ay[k]))
+    return Coverage(uncut, uncut_at, _missing(a, missed) if missed else ())
+
+
+def _outlines(material: Material, route: Route, tolerance: float) -> _Outlines:
+    """Return the closed outlines of a material with the wire paths beside them."""
+    closed = [k for k, c in enumerate(material.outlines) if c.closed]
+    outlines, owner = of_contours([material.outlines[k] for k in closed])
     offset = material.offset_um
+    path = route.segments.take(
+        np.flatnonzero((route.role == Role.CONTOUR) | (route.role == Role.OVERCUT))
+    )
     # Left of a counter-clockwise outline is its inside. Scrap is outside of what is kept.
     twice = outlines.ax * outlines.by - outlines.bx * outlines.ay
     chord_caps = (
         outlines.turn * outlines.radius**2 * (2.0 * outlines.half - np.sin(2.0 * outlines.half))
     )
-    area = np.bincount(owner, twice + chord_caps, minlength=len(contours))
-    even = np.array([d % 2 == 0 for d in depths])
+    area = np.bincount(owner, twice + chord_caps, minlength=len(closed))
+    even = np.array([material.depths[k] % 2 == 0 for k in closed], bool)
     to_left = (area > 0) != (even == (material.side is Side.PART))
-    sign = np.where(to_left, 1.0, -1.0)[owner]
-    wanted = np.isin(np.array(which_outline), np.array(material.reached, np.int64))[owner]
+    near, beside = near_pairs(boxes(path, offset + 2.0 * tolerance + 1.0), boxes(outlines))
+    order = np.lexsort((near, beside))
+    near, beside = near[order], beside[order]
+    first = np.searchsorted(beside, np.arange(len(outlines) + 1))
+    some = np.flatnonzero(np.diff(first) > 0)
+    return _Outlines(
+        contours=closed,
+        outlines=outlines,
+        owner=owner,
+        wanted=np.isin(np.array(closed, np.int64), np.array(material.reached, np.int64))[owner],
+        sign=np.where(to_left, 1.0, -1.0)[owner],
+        path=path,
+        near=path.take(near),
+        beside=beside,
+        some=some,
+        first=first[some],
+        offset=offset,
+        tolerance=tolerance,
+    )
 
-    reach = offset + 2.0 * tolerance + 1.0
-    k, j = near_pairs(boxes(path, reach), boxes(outlines))
-    order = np.lexsort((k, j))
-    j, k = j[order], k[order]
-    first = np.searchsorted(j, np.arange(len(outlines) + 1))
-    held = np.flatnonzero(np.diff(first) > 0)
-    theirs = path.take(k)
 
-    def least(x: Floats, y: Floats) -> Floats:
-        out = np.full(len(outlines), np.inf)
-        if len(k):
-            out[held] = np.minimum.reduceat(point_distance(theirs, x[j], y[j]), first[held])
-        return out
+def _corner_distance(a: _Outlines) -> Floats:
+    """Return how far the start of each segment is from the wire paths.
 
-    # At the start of each segment: an inner corner stays farthest from the wire there.
-    start_far = least(outlines.ax, outlines.ay)
-    far = np.flatnonzero(start_far > offset + tolerance)
+    An inner corner stays farthest from the wire there.
+    """
+    distance = a.least(a.outlines.ax, a.outlines.ay)
+    far = np.flatnonzero(distance > a.offset + a.tolerance)
     if len(far):
-        span = 20.0 * offset + 100.0
-        start_far[far], _ = nearest(path, outlines.ax[far], outlines.ay[far], span)
-        start_far[far] = np.minimum(start_far[far], span)
-    missed: list[tuple[Ints, Floats, Floats, Floats]] = []
-    asked = np.zeros(len(outlines), np.int64)
-    uncut, uncut_at = 0.0, (0.0, 0.0)
-    for fraction in FRACTIONS.tolist():
-        t = outlines.length * fraction
-        x, y = points_at(outlines, t)
-        nx, ny = normals_at(outlines, t)
-        wx, wy = x + nx * sign * offset, y + ny * sign * offset
-        off = np.flatnonzero(wanted & (least(wx, wy) > tolerance))
-        if not len(off):
-            continue
-        room, _ = nearest(outlines, wx[off], wy[off], offset + 1.0)
-        free = room >= offset - 0.05
-        missed.append((off[free], x[off[free]], y[off[free]], t[off[free]]))
-        asked[off[free]] += 1
-        blocked = off[~free]
-        if len(blocked):
-            d, _ = nearest(path, x[blocked], y[blocked], 20.0 * offset + 100.0)
-            d = np.where(np.isfinite(d), d - offset, -np.inf)
-            b = int(np.argmax(d))
-            if d[b] > uncut:
-                uncut, uncut_at = float(d[b]), (float(x[blocked[b]]), float(y[blocked[b]]))
+        distance[far], _ = nearest(a.path, a.outlines.ax[far], a.outlines.ay[far], a.span)
+        distance[far] = np.minimum(distance[far], a.span)
+    return distance
+
+
+def _left_at(a: _Outlines, fraction: float) -> tuple[_Missed | None, float, tuple[float, float]]:
+    """Return what the route leaves of the points at a fraction of each segment.
+
+    Returns:
+        The points that could be reached and are not, None where there is none; and how
+        far the point stays from being cut which no wire of this radius reaches, and where it is;
+        0 where all are cut.
+    """
+    t = a.outlines.length * fraction
+    x, y = points_at(a.outlines, t)
+    nx, ny = normals_at(a.outlines, t)
+    wx, wy = x + nx * a.sign * a.offset, y + ny * a.sign * a.offset
+    off = np.flatnonzero(a.wanted & (a.least(wx, wy) > a.tolerance))
+    if not len(off):
+        return None, 0.0, (0.0, 0.0)
+    room, _ = nearest(a.outlines, wx[off], wy[off], a.offset + 1.0)
+    free = room >= a.offset - 0.05
+    missed = _Missed(off[free], x[off[free]], y[off[free]], t[off[free]])
+    blocked = off[~free]
+    if not len(blocked):
+        return missed, 0.0, (0.0, 0.0)
+    d, _ = nearest(a.path, x[blocked], y[blocked], a.span)
+    d = np.where(np.isfinite(d), d - a.offset, -np.inf)
+    k = int(np.argmax(d))
+    return missed, float(d[k]), (float(x[blocked[k]]), float(y[blocked[k]]))
+
+
+def _missing(
+    a: _Outlines, missed: list[_Missed]
+) -> tuple[tuple[int, float, float, float, float], ...]:
+    """Return what `Coverage.missing` holds of the places that are missed."""
+    segment, x, y, t = (np.concatenate(column) for column in zip(*missed, strict=True))
     missing = []
-    if missed:
-        segment = np.concatenate([m[0] for m in missed])
-        x, y, t = (np.concatenate([m[n] for m in missed]) for n in (1, 2, 3))
-        for c in np.flatnonzero(np.bincount(owner[segment])):
-            mine = np.flatnonzero(owner[segment] == c)
-            mine = mine[np.lexsort((t[mine], segment[mine]))]
-            d, _ = nearest(path, x[mine[:1]], y[mine[:1]], 20.0 * offset + 100.0)
-            share = np.count_nonzero(np.bincount(segment[mine])) / int((owner == c).sum())
-            here = mine[0]
-            more = float(d[0]) - offset
-            missing.append((which_outline[c], share, float(x[here]), float(y[here]), more))
-    skip = np.isin(np.arange(len(outlines)), np.flatnonzero(asked))
-    corner = np.where(skip | ~wanted | ~np.isfinite(start_far), -np.inf, start_far - offset)
-    b = int(np.argmax(corner))
-    if corner[b] > max(uncut, 1e-3):
-        uncut, uncut_at = float(corner[b]), (float(outlines.ax[b]), float(outlines.ay[b]))
-    return Coverage(uncut, uncut_at, tuple(missing))
+    for c in np.flatnonzero(np.bincount(a.owner[segment])).tolist():
+        mine = np.flatnonzero(a.owner[segment] == c)
+        mine = mine[np.lexsort((t[mine], segment[mine]))]
+        d, _ = nearest(a.path, x[mine[:1]], y[mine[:1]], a.span)
+        share = np.count_nonzero(np.bincount(segment[mine])) / int((a.owner == c).sum())
+        here = mine[0]
+        beyond = float(d[0]) - a.offset
+        missing.append((a.contours[c], share, float(x[here]), float(y[here]), beyond))
+    return tuple(missing)

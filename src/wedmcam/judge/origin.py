@@ -1,4 +1,4 @@
-"""Where a program starts in the drawing, when nobody says it: a whole-um translation is fitted.
+"""Where a program starts in the drawing, when it is not stated: a whole-um translation is fitted.
 
 A program states only increments. Its contours have the planned contours' sizes and places relative
 to each other, so the boxes give the translation to a micron or two, and the least sum of squared
@@ -19,8 +19,8 @@ from wedmcam.ir.program import Program
 from wedmcam.judge.in_steps import in_steps
 from wedmcam.judge.match import Piece, lies_on, path_box, pieces
 from wedmcam.judge.route import of_contours
-from wedmcam.judge.runs import mm, per_mm
 from wedmcam.judge.segments import Floats, nearest
+from wedmcam.judge.stretches import per_mm, place
 from wedmcam.judge.track import LOST
 from wedmcam.judge.walk import Walk, walk
 
@@ -59,18 +59,13 @@ def fit(
     scored = sorted({(-_hits(held, boxes, c), c != candidates[-1], c[1], c[0]) for c in candidates})
     best = scored[0]
     if not best[0]:
-        sizes = ", ".join(
-            f"{(p.box[2] - p.box[0]) / per:.3f} x {(p.box[3] - p.box[1]) / per:.3f}"
-            for p in held[:5]
-        )
-        planned = ", ".join(
-            f"{(b[2] - b[0]) / per:.3f} x {(b[3] - b[1]) / per:.3f}" for b in boxes[:5]
-        )
         return None, [
             error(
                 "no-fit",
-                f"the program's contours measure {sizes} mm, the planned wire paths {planned} mm",
+                "the program's contours measure {sizes} mm, the planned wire paths {planned} mm",
                 hint="check the offset, the units and the transforms, or state --origin",
+                sizes=_sizes([p.box for p in held], per),
+                planned=_sizes(boxes, per),
             )
         ]
     top = [s for s in scored if s[:2] == best[:2]][:8]
@@ -81,11 +76,18 @@ def fit(
     return replace(program, origin=(ox, oy)), [
         note(
             "origin-fitted",
-            f"the program was fitted into the drawing: it starts at {mm(ox, oy, per)} mm, its "
-            f"places lie {np.sqrt(squares) / per:.4f} mm from the wire path (root mean square)",
-            points_mm=((ox / per, oy / per),),
+            "the program was fitted into the drawing: it starts at {start}, its places lie "
+            "{off_mm:.4f} mm from the wire path (root mean square)",
+            points_mm=(place(ox, oy, per),),
+            start=place(ox, oy, per),
+            off_mm=np.sqrt(squares) / per,
         )
     ]
+
+
+def _sizes(boxes: Sequence[Floats], per: float) -> str:
+    """Return the widths and heights of the first boxes, mm."""
+    return ", ".join(f"{(b[2] - b[0]) / per:.3f} x {(b[3] - b[1]) / per:.3f}" for b in boxes[:5])
 
 
 def may_start(

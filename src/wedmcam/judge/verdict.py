@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -66,7 +67,8 @@ class CutVerdict(NamedTuple):
     backwards: bool = False
 
 
-class Verdict(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Verdict:
     """The figures of a program; see ``docs`` of the fields in the command line's summary.
 
     Lengths are true um and mm, also where a step of the machine is not 1 um.
@@ -103,7 +105,7 @@ class Verdict(NamedTuple):
     """
 
     ok: bool
-    count: Count  # type: ignore[assignment]
+    count: Count
     closure_um: float | None
     max_deviation_um: float
     lead_deviation_um: float

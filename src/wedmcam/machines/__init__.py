@@ -135,9 +135,14 @@ def unnamed(machine: Machine) -> list[Diagnostic]:
     before = BEFORE.get(machine.format)
     if before is None:
         return []
-    what = f"profile {machine.name} (before: {before})"
     return [
-        note("default-profile", what, hint=f"--profile {before} writes what was written before")
+        note(
+            "default-profile",
+            "profile {profile} (before: {before})",
+            hint="--profile {before} writes what was written before",
+            profile=machine.name,
+            before=before,
+        )
     ]
 
 
@@ -151,8 +156,16 @@ def find(name: str) -> tuple[Machine | None, list[Diagnostic]]:
     if name in names():
         return builtin(name), []
     near = difflib.get_close_matches(name, names(), 1, 0.5)
-    hint = f"did you mean '{near[0]}'?" if near else f"built in are {', '.join(names())}"
-    return None, [error("profile-name", f"no profile is called '{name}'", hint=hint)]
+    return None, [
+        error(
+            "profile-name",
+            "no profile is called '{name}'",
+            hint="did you mean '{near}'?" if near else "built in are {profiles}",
+            name=name,
+            near=near[0] if near else None,
+            profiles=", ".join(names()),
+        )
+    ]
 
 
 __all__ = [

@@ -1,6 +1,6 @@
 """Read a profile: TOML text in, `Machine` and findings out.
 
-A key that nobody reads is an error and not a comment: a misspelt limit would otherwise be no limit.
+A key that is not read is an error and not a comment: a misspelt limit would otherwise be no limit.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
 from wedmcam.machines.vocabulary import CLASSES, Vocabulary, calls_in, wrong_words
 
 FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
-_BINARY = FORMATS[1:4]
+#: Formats whose files are bytes of a memory.
+_BINARY = ("compact", "rotation", "compensation")
 _EOL = {"lf": "\n", "crlf": "\r\n", "cr": "\r"}
 _ENCODINGS = ("ascii", "utf-8", "gbk")
 
@@ -171,138 +172,199 @@ _TYPE_NAMES: dict[type, str] = {
 }
 
 
-def _place(text: str, name: str, section: str, key: str) -> Span:
-    """Return where ``key`` stands in the text, as far as a search of lines can tell."""
-    here = ""
-    for number, line in enumerate(text.splitlines(), 1):
-        if table := re.match(r"\s*\[\s*([\w.-]+)\s*\]", line):
-            here = table[1]
-            if here == key and not section:
-                return TextSpan(name, number, 1, len(line))
-        elif here == section and (m := re.match(rf"(\s*)(\"?{re.escape(key)}\"?)\s*[=.]", line)):
-            return TextSpan(name, number, len(m[1]) + 1, len(m[2]))
-    return FileSpan(name)
+@dataclass(frozen=True, slots=True)
+class _Source:
+    """The text of a profile, and the name that findings call it by."""
+
+    text: str
+    name: str
+
+    def at(self, section: str, key: str) -> Span:
+        """Return where ``key`` stands, as far as a search of lines can tell."""
+        here = ""
+        assigned = re.compile(rf"(\s*)(\"?{re.escape(key)}\"?)\s*[=.]")
+        for number, line in enumerate(self.text.splitlines(), 1):
+            if table := re.match(r"\s*\[\s*([\w.-]+)\s*\]", line):
+                here = table[1]
+                if here == key and not section:
+                    return TextSpan(self.name, number, 1, len(line))
+            elif here == section and (m := assigned.match(line)):
+                return TextSpan(self.name, number, len(m[1]) + 1, len(m[2]))
+        return FileSpan(self.name)
 
 
 def _named(section: str, key: str) -> str:
     return f"{section}.{key}" if section else key
 
 
-def _suggest(key: str, known: list[str]) -> str:
+def _unknown_key(
+    name: str, key: str, known: list[str], span: Span, format_: str | None = None
+) -> Diagnostic:
+    """Return an error on a key that is not read, with the key that may be meant.
+
+    Args:
+        name: of the key, with its table.
+        key: as it stands there.
+        known: keys that are read there.
+        span: where it stands.
+        format_: of the profile, where other formats have the key.
+    """
     near = difflib.get_close_matches(key, known, 1, 0.6)
-    if near:
-        return f"did you mean '{near[0]}'?"
-    return f"known are {', '.join(known)}" if known else "remove it"
+    return error(
+        "profile-key",
+        "unknown key '{key}'" if format_ is None else "unknown key '{key}' for format '{format}'",
+        span,
+        hint="did you mean '{near}'?" if near else "known are {known}" if known else "remove it",
+        key=name,
+        format=format_,
+        near=near[0] if near else None,
+        known=", ".join(known),
+    )
 
 
 def _check(
-    text: str, name: str, section: str, table: dict[str, Any], format_: str
+    source: _Source, section: str, table: dict[str, Any], format_: str
 ) -> tuple[dict[str, Any], list[Diagnostic]]:
     """Return the good values of one table, and what is wrong with the others."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     good: dict[str, Any] = {}
     schema = {k: v for k, v in _SCHEMA[section].items() if format_ in v.formats}
     for key, value in table.items():
         if not section and key in _SCHEMA and key:
             continue  # a table, checked by itself
-        rule = schema.get(key)
-        place = _place(text, name, section, key)
+        rule, name = schema.get(key), _named(section, key)
         if rule is None:
             known = [*schema, *(s for s in _SCHEMA if s and not section)]
-            why = f" for format '{format_}'" if key in _SCHEMA[section] else ""
-            found.append(
-                error(
-                    "profile-key",
-                    f"unknown key '{_named(section, key)}'{why}",
-                    place,
-                    hint=_suggest(key, known),
-                )
-            )
+            elsewhere = format_ if key in _SCHEMA[section] else None
+            findings.append(_unknown_key(name, key, known, source.at(section, key), elsewhere))
         elif type(value) is int and rule.of is float and rule.good(value):
             good[key] = float(value)
         elif type(value) is not rule.of or not rule.good(value):
-            kind = _TYPE_NAMES.get(type(value))
-            got = repr(value) if kind is None or type(value) is rule.of else f"{kind} {value!r}"
-            found.append(
-                error(
-                    "profile-value",
-                    f"'{_named(section, key)}' takes {rule.takes}, not {got}",
-                    place,
-                )
-            )
+            findings.append(_wrong_value(name, value, rule, source.at(section, key)))
         else:
             good[key] = value
-    found += [
+    findings += [
         error(
             "profile-missing",
-            f"'{_named(section, key)}' is missing; it takes {rule.takes}",
-            FileSpan(name),
+            "'{key}' is missing; it takes {takes}",
+            FileSpan(source.name),
+            key=_named(section, key),
+            takes=rule.takes,
         )
         for key, rule in schema.items()
         if rule.required and key not in table
     ]
-    return good, found
+    return good, findings
+
+
+def _wrong_value(name: str, value: Any, rule: _Key, span: Span) -> Diagnostic:
+    """Return an error on a value that a key does not take."""
+    kind = _TYPE_NAMES.get(type(value))
+    same_type = kind is None or type(value) is rule.of
+    return error(
+        "profile-value",
+        "'{key}' takes {takes}, not {value}"
+        if same_type
+        else "'{key}' takes {takes}, not {type} {value}",
+        span,
+        key=name,
+        takes=rule.takes,
+        type=kind,
+        value=repr(value),
+    )
 
 
 def _of_iso(
-    iso: dict[str, Any], header: list[str], writes: bool, text: str, name: str
+    source: _Source, iso: dict[str, Any], header: list[str], writes: bool
 ) -> list[Diagnostic]:
     """Return what contradicts itself under ``[iso]``; header and writes are of the same profile."""
-    found = []
+    findings = []
     metric = around.metric([*header, iso.get("modes", "")], iso.get("semicolon", ""))
     if iso.get("points") == "inch" and iso.get("unit") == "mm" and writes and not metric:
-        what = (
-            '\'iso.points\' = "inch" goes with unit = "mm" where header or modes have G21 or G71, '
-            "or with writes = false: its own programs would be read in inches"
+        findings.append(
+            error(
+                "profile-value",
+                '\'iso.points\' = "inch" goes with unit = "mm" where header or modes have G21 or '
+                "G71, or with writes = false: its own programs would be read in inches",
+                source.at("iso", "points"),
+            )
         )
-        found.append(error("profile-value", what, _place(text, name, "iso", "points")))
     if iso.get("start") == "move" and iso.get("coordinates") != "absolute":
-        what = '\'iso.start\' = "move" goes to a place: it takes coordinates = "absolute"'
-        found.append(error("profile-value", what, _place(text, name, "iso", "start")))
+        findings.append(
+            error(
+                "profile-value",
+                '\'iso.start\' = "move" goes to a place: it takes coordinates = "absolute"',
+                source.at("iso", "start"),
+            )
+        )
     if iso.get("feed_um") and iso.get("unit") != "mm":
-        what = "'iso.feed_um' is written in mm a minute: it takes unit = \"mm\""
-        found.append(error("profile-value", what, _place(text, name, "iso", "feed_um")))
-    return found
+        findings.append(
+            error(
+                "profile-value",
+                "'iso.feed_um' is written in mm a minute: it takes unit = \"mm\"",
+                source.at("iso", "feed_um"),
+            )
+        )
+    return findings
 
 
 def _words_of(
-    data: dict[str, Any], text: str, name: str, format_: str
+    source: _Source, data: dict[str, Any], format_: str
 ) -> tuple[Vocabulary, list[Diagnostic]]:
     """Return the words under ``[iso.words]``, which it takes out of the data of a profile."""
     iso = data.get("iso")
     if format_ not in _ISO or not isinstance(iso, dict) or "words" not in iso:
         return Vocabulary(), []
-    found: list[Diagnostic] = []
-    tables: dict[str, dict[str, Any]] = {}
     data["iso"] = {key: value for key, value in iso.items() if key != "words"}
-    words = iso["words"]
-    if not isinstance(words, dict):
-        what = f"'iso.words' takes a table, not {words!r}"
-        return Vocabulary(), [error("profile-value", what, _place(text, name, "iso", "words"))]
-    for key, value in words.items():
-        place = _place(text, name, "", f"iso.words.{key}")
-        if key not in CLASSES:
-            what = f"unknown key 'iso.words.{key}'"
-            hint = _suggest(key, list(CLASSES))
-            found.append(error("profile-key", what, place, hint=hint))
-        elif not isinstance(value, dict):
-            what = f"'iso.words.{key}' takes a table, not {value!r}"
-            found.append(error("profile-value", what, place))
-        else:
-            tables[key] = value
-    for class_, key, what in wrong_words(tables):
-        place = _place(text, name, f"iso.words.{class_}", key)
-        said = f"'iso.words.{class_}' {key}: {what}"
-        found.append(error("profile-value", said, place))
-    if found:
-        return Vocabulary(), found
-    made = {class_: tuple(table.items()) for class_, table in tables.items()}
+    tables, findings = _word_tables(source, iso["words"])
+    for class_, key, fault in wrong_words(tables):
+        findings.append(
+            error(
+                "profile-value",
+                "'iso.words.{table}' {key}: {fault}",
+                source.at(f"iso.words.{class_}", key),
+                table=class_,
+                key=key,
+                fault=fault,
+            )
+        )
+    if findings:
+        return Vocabulary(), findings
     calls = [key for key in tables.get("path", {}) if calls_in(key)]
     if calls and data["iso"].get("subprograms", "none") == "none":
-        place = _place(text, name, "iso.words.path", calls[0])
-        what = f"'iso.words.path' {calls[0]}: it takes 'iso.subprograms'"
-        found.append(error("profile-value", what, place))
-    return Vocabulary(**made), found
+        findings.append(
+            error(
+                "profile-value",
+                "'iso.words.path' {key}: it takes 'iso.subprograms'",
+                source.at("iso.words.path", calls[0]),
+                key=calls[0],
+            )
+        )
+    return Vocabulary(**{name: tuple(table.items()) for name, table in tables.items()}), findings
+
+
+def _word_tables(source: _Source, words: Any) -> tuple[dict[str, dict[str, Any]], list[Diagnostic]]:
+    """Return the tables under ``[iso.words]``, and what of them is none."""
+    if not isinstance(words, dict):
+        return {}, [_no_table("iso.words", words, source.at("iso", "words"))]
+    findings: list[Diagnostic] = []
+    tables: dict[str, dict[str, Any]] = {}
+    for key, value in words.items():
+        name = f"iso.words.{key}"
+        if key not in CLASSES:
+            findings.append(_unknown_key(name, key, list(CLASSES), source.at("", name)))
+        elif not isinstance(value, dict):
+            findings.append(_no_table(name, value, source.at("", name)))
+        else:
+            tables[key] = value
+    return tables, findings
+
+
+def _no_table(name: str, value: Any, span: Span) -> Diagnostic:
+    """Return an error on a value where a table is to be."""
+    return error(
+        "profile-value", "'{key}' takes a table, not {value}", span, key=name, value=repr(value)
+    )
 
 
 def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
@@ -319,88 +381,144 @@ def parse(text: str, name: str) -> tuple[Machine | None, list[Diagnostic]]:
     if wrong is not None:
         return None, [wrong]
 
+    source = _Source(text, name)
     format_ = data.get("format")
     known_format = format_ if format_ in FORMATS else "3b"
-    vocabulary, unfit = _words_of(data, text, name, known_format)
-    top, found = _check(text, name, "", data, known_format)
-    found += unfit
+    vocabulary, unfit = _words_of(source, data, known_format)
+    top, findings = _check(source, "", data, known_format)
+    findings += unfit
     tables: dict[str, dict[str, Any]] = {}
     for section in [s for s in _SCHEMA if s]:
         value = data.get(section, {})
         if not isinstance(value, dict):
-            place = _place(text, name, "", section)
-            found.append(error("profile-value", f"'{section}' takes a table, not {value!r}", place))
+            findings.append(_no_table(section, value, source.at("", section)))
             value = {}
-        tables[section], more = _check(text, name, section, value, known_format)
-        found += more
-    words = Words(**tables["words"])
+        tables[section], more = _check(source, section, value, known_format)
+        findings += more
+    findings += _contradictions(source, known_format, top, tables)
+    findings += _lines_around(source, known_format, tables["layout"])
+    return (None, findings) if findings else (_machine(name, top, tables, vocabulary), [])
+
+
+def _contradictions(
+    source: _Source, format_: str, top: dict[str, Any], tables: dict[str, dict[str, Any]]
+) -> list[Diagnostic]:
+    """Return what keys say that are good one by one and do not go together."""
+    findings: list[Diagnostic] = []
+    words, iso, writes = Words(**tables["words"]), tables["iso"], top.get("writes", True)
     if len({words.pause, words.stop, words.end}) < 3:
-        found.append(
+        findings.append(
             error(
                 "profile-value",
-                f"pause '{words.pause}', stop '{words.stop}' and end '{words.end}' must differ",
-                _place(text, name, "", "words"),
+                "pause '{pause}', stop '{stop}' and end '{end}' must differ",
+                source.at("", "words"),
+                pause=words.pause,
+                stop=words.stop,
+                end=words.end,
             )
         )
-    if known_format in _B3 and tables["limits"].get("arc_um", 0) > 999_999:
-        place = _place(text, name, "limits", "arc_um")
-        found.append(
-            error("profile-value", "'limits.arc_um' of a 3B or 4B profile is at most 999999", place)
+    if format_ in _B3 and tables["limits"].get("arc_um", 0) > 999_999:
+        findings.append(
+            error(
+                "profile-value",
+                "'limits.arc_um' of a 3B or 4B profile is at most 999999",
+                source.at("limits", "arc_um"),
+            )
         )
-    if tables["iso"].get("compensation") == "controller" and tables["axes"].get("step_um", 1) != 1:
-        place = _place(text, name, "axes", "step_um")
-        what = "'axes.step_um' goes with compensation in the program: outlines are written in um"
-        found.append(error("profile-value", what, place))
-    if known_format in _ISO:
-        header, footer = (tables["layout"].get(key, []) for key in ("header", "footer"))
-        found += _of_iso(tables["iso"], header, top.get("writes", True), text, name)
-        for key, why in around.faults(header, footer, tables["iso"].get("semicolon", "")):
-            what = f"'layout.{key}': {why}"
-            found.append(error("profile-value", what, _place(text, name, "layout", key)))
-        if tables["iso"].get("coordinates") == "open" and top.get("writes", True):
-            what = "'iso.coordinates' = \"open\" cannot be written: it takes writes = false"
-            found.append(error("profile-value", what, _place(text, name, "iso", "coordinates")))
-    layout = tables["layout"]
-    encoding = layout.get("encoding", "ascii")
-    for key in ("header", "footer"):
-        for line in layout.get(key, []):
-            # Words of an ISO header are decoded and proven with the program.
-            if known_format not in _ISO and not _is_text(line):
-                place = _place(text, name, "layout", key)
-                what = f"'layout.{key}' takes {_LINES.takes}, not {line!r}"
-                found.append(error("profile-value", what, place))
-            try:
-                line.encode(encoding)
-            except UnicodeEncodeError:
-                place = _place(text, name, "layout", key)
-                what = f"'layout.{key}' does not fit the encoding {encoding}: '{line}'"
-                found.append(error("profile-value", what, place))
-    if found:
-        return None, found
+    if iso.get("compensation") == "controller" and tables["axes"].get("step_um", 1) != 1:
+        findings.append(
+            error(
+                "profile-value",
+                "'axes.step_um' goes with compensation in the program: outlines are written in um",
+                source.at("axes", "step_um"),
+            )
+        )
+    if format_ not in _ISO:
+        return findings
+    header, footer = (tables["layout"].get(key, []) for key in ("header", "footer"))
+    findings += _of_iso(source, iso, header, writes)
+    for key, fault in around.faults(header, footer, iso.get("semicolon", "")):
+        findings.append(
+            error(
+                "profile-value",
+                "'layout.{key}': {fault}",
+                source.at("layout", key),
+                key=key,
+                fault=fault,
+            )
+        )
+    if iso.get("coordinates") == "open" and writes:
+        findings.append(
+            error(
+                "profile-value",
+                "'iso.coordinates' = \"open\" cannot be written: it takes writes = false",
+                source.at("iso", "coordinates"),
+            )
+        )
+    return findings
 
+
+def _lines_around(source: _Source, format_: str, layout: dict[str, Any]) -> list[Diagnostic]:
+    """Return what is wrong with the lines of header and footer, one by one."""
+    findings = []
+    encoding = layout.get("encoding", "ascii")
+    header, footer = (layout.get(key, []) for key in ("header", "footer"))
+    for key, line in [*(("header", one) for one in header), *(("footer", one) for one in footer)]:
+        # Words of an ISO header are decoded and proven with the program.
+        if format_ not in _ISO and not _is_text(line):
+            findings.append(
+                error(
+                    "profile-value",
+                    "'layout.{key}' takes {takes}, not {line}",
+                    source.at("layout", key),
+                    key=key,
+                    takes=_LINES.takes,
+                    line=repr(line),
+                )
+            )
+        try:
+            line.encode(encoding)
+        except UnicodeEncodeError:
+            findings.append(
+                error(
+                    "profile-value",
+                    "'layout.{key}' does not fit the encoding {encoding}: '{line}'",
+                    source.at("layout", key),
+                    key=key,
+                    encoding=encoding,
+                    line=line,
+                )
+            )
+    return findings
+
+
+def _machine(
+    name: str,
+    top: dict[str, Any],
+    tables: dict[str, dict[str, Any]],
+    vocabulary: Vocabulary,
+) -> Machine:
+    """Return the machine of a profile without errors."""
+    layout, limits = dict(tables["layout"]), dict(tables["limits"])
     for key in ("header", "footer"):
         if key in layout:
             layout[key] = tuple(layout[key])
     if "eol" in layout:
         layout["eol"] = _EOL[layout["eol"]]
-    limits = tables["limits"]
     if "travel_um" in limits:
         limits["travel_um"] = tuple(limits["travel_um"])
     table: Literal["mirror", "rotate"] = top["line_table"]
     count: Literal["exact", "textbook"] = top.get("count", "exact")
-    return (
-        Machine(
-            name=name,
-            title=top["title"],
-            format=top["format"],
-            line_table=table,
-            count=count,
-            limits=Limits(**limits),
-            words=words,
-            layout=Layout(**layout),
-            iso=Iso(**tables["iso"], words=vocabulary),
-            axes=Axes(**tables["axes"]),
-            writes=top.get("writes", True),
-        ),
-        [],
+    return Machine(
+        name=name,
+        title=top["title"],
+        format=top["format"],
+        line_table=table,
+        count=count,
+        limits=Limits(**limits),
+        words=Words(**tables["words"]),
+        layout=Layout(**layout),
+        iso=Iso(**tables["iso"], words=vocabulary),
+        axes=Axes(**tables["axes"]),
+        writes=top.get("writes", True),
     )

@@ -1,18 +1,18 @@
 """One program format into another, from the path that the first controller steps.
 
 Nothing is translated word by word. The program is decoded, its blocks are made anew for the other
-controller (``transforms.carry``), written, decoded again and compared as a step path with the first
+controller (`programs.reblock`), written, decoded again and compared as a step path with the first
 program. What is farther off than 1 um is not written.
 
-`TARGETS` holds what is no program for a controller and can still be made of one (a picture, a
+`OUTPUTS` holds what is no program for a controller and can still be made of one (a picture, a
 drawing, source text). To add one: a line there, its ending in `SUFFIXES`, and a function
 ``f(program, machine, name) -> (bytes, findings)`` of the decoded program and the machine that it
-was read for. Such a target proves what it claims by itself.
+was read for. Such a function proves what it claims by itself.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -28,7 +28,7 @@ from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.operations.compile import compile as compile_source
 from wedmcam.operations.profiles import machine_for
-from wedmcam.operations.read import read_program
+from wedmcam.operations.read import NO_GAP, read_program
 from wedmcam.programs.places import block_ends
 from wedmcam.targets import Entries, target_of
 
@@ -43,16 +43,16 @@ MOST_PIECES = 16
 #: How many times a part program is written anew because of an arc.
 TRIES = 40
 
-#: Targets that are no program format -> "module:function"; named and not imported.
-TARGETS: dict[str, str] = {
+#: Outputs that are no program format -> "module:function"; named and not imported.
+OUTPUTS: dict[str, str] = {
     "svg": "wedmcam.operations.convert:as_svg",
-    "dxf": "wedmcam.backends.dxf:converted",
+    "dxf": "wedmcam.backends.dxf:convert",
     "wed": "wedmcam.operations.convert:as_wed",
 }
 #: Endings of their names.
 SUFFIXES: dict[str, str] = {".svg": "svg", ".dxf": "dxf", ".wed": "wed"}
 
-Target = Callable[[Program, Machine, str], tuple[bytes, list[Diagnostic]]]
+Writer = Callable[[Program, Machine, str], tuple[bytes, list[Diagnostic]]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,18 +60,18 @@ class Conversion:
     """What came of a conversion.
 
     Attributes:
-        data: the bytes of the other program; None when it was not made or not proven.
+        data: the bytes of the other program; None when it was not written or not proven.
         program: as it was read from the first file; None when that was not possible.
-        made: decoded from ``data``; None for a target that is no program.
+        program_out: decoded from ``data``; None for an output that is no program.
         machine_in: the profile that the first file was read with.
-        machine: the profile of the other; None for a target that is no program.
+        machine: the profile of the other; None for an output that is no program.
         difference: of the two step paths; None when it did not come so far.
         findings: everything that was found.
     """
 
     data: bytes | None
     program: Program | None
-    made: Program | None
+    program_out: Program | None
     machine_in: Machine
     machine: Machine | None
     difference: Difference | None
@@ -92,7 +92,7 @@ class Conversion:
 
 
 def output_of(name: str) -> str | None:
-    """Return the target that the ending of a name tells; None for program formats.
+    """Return the output that the ending of a name tells; None for program formats.
 
     >>> output_of("a.SVG"), output_of("a.3b")
     ('svg', None)
@@ -110,14 +110,13 @@ def convert(
     format: str | None = None,
     strict: bool = False,
     entered: Entries | None = None,
-    feed_um: float | None = None,
-    **said: Any,
+    **more: Any,
 ) -> Conversion:
     """Return a program of one format as one of another, proven to step the same path.
 
     Args:
         source: a path or bytes.
-        to: a program format, or a key of `TARGETS`.
+        to: a program format, or a key of `OUTPUTS`.
         profile: of the other program; None for the default of its format.
         profile_in: of the program that is read; None for the default of the format that name and
             content tell: what an ISO program leaves open is then refused.
@@ -126,8 +125,9 @@ def convert(
         strict: warnings are errors.
         entered: copies and angle of a rotation file, gap and side of a compensation file, read or
             written.
-        feed_um: cutting speed, um a minute, for a profile that writes F; None for the profile's.
-        **said: of an ISO program, as for `wedmcam.read_program`: ``units_in``, ``whole_in``, ...
+        **more: ``feed_um``, the cutting speed, um a minute, for a profile that writes F (the
+            profile's where it is left out); and of an ISO program, as for `wedmcam.read_program`,
+            ``units_in``, ``whole_in``, ...
 
     Raises:
         WrongUse: an unknown format or profile.
@@ -137,74 +137,81 @@ def convert(
     >>> made.data.hex(" ")
     '01 01 70 00 00 50 00 00'
     """
-    entered = entered or Entries()
-    read, machine_in, found_in = read_program(
-        source, profile=profile_in, format=format, name=name, entered=entered, **said
+    entries = entered or Entries()
+    feed_um = more.pop("feed_um", None)
+    program, machine_in, found = read_program(
+        source, profile=profile_in, format=format, name=name, entered=entries, **more
     )
-    written = to if to in TARGETS else machine_for(to, profile).format
-    entered.check(machine_in.format, written or "")
-    stays = to not in TARGETS and target_of(machine_for(to, profile)).takes_gap
-    found = [d for d in (_gap_asked(d, to == "svg", stays) for d in found_in) if d is not None]
-    found = [d if to == "svg" else _lost(d) for d in found]
-
-    def ended(data: bytes | None = None, **more: Any) -> Conversion:
-        values = {"made": None, "machine": None, "difference": None} | more
-        stopped = has_errors(found) or (strict and _warned(found))
-        kept = None if stopped else data
-        return Conversion(kept, read, machine_in=machine_in, findings=tuple(found), **values)
-
-    if to in TARGETS:
-        if read is None or has_errors(found):
-            return ended()
-        other, more = _target(to)(read, machine_in, name or str(source)[:200])
-        found += more
-        return ended(other)
-    machine = machine_for(to, profile)
-    if read is None or has_errors(found):
-        return ended(machine=machine)
-    senses = None
-    if stays and not entered.gap_um:
-        senses = target_of(machine_in).senses(bytes_of(source, name)[0])
-    data, made, apart, more = between(read, machine_in, machine, entered, senses, feed_um)
-    found += more
-    if data is not None and profile is None:
-        found += machines.unnamed(machine)
-    return ended(data, machine=machine, made=made, difference=apart)
+    output = OUTPUTS.get(to or "")
+    machine = None if output else machine_for(to, profile)
+    entries.check(machine_in.format, machine.format if machine else to or "")
+    stays = machine is not None and target_of(machine).takes_gap
+    findings = list(found) if to == "svg" else _of_reader(found, stays)
+    data = other = apart = None
+    if program is None or has_errors(findings):
+        pass  # the reader says why
+    elif output:
+        data, found_here = _writer(output)(program, machine_in, name or str(source)[:200])
+        findings += found_here
+    elif machine is not None:
+        outline = stays and not entries.gap_um
+        senses = target_of(machine_in).senses(bytes_of(source, name)[0]) if outline else None
+        data, other, apart, found_here = between(
+            program, machine_in, machine, entries, senses, feed_um
+        )
+        findings += found_here
+        if data is not None and profile is None:
+            findings += machines.unnamed(machine)
+    stopped = has_errors(findings) or (strict and _warned(findings))
+    return Conversion(
+        None if stopped else data, program, other, machine_in, machine, apart, tuple(findings)
+    )
 
 
-def _gap_asked(d: Diagnostic, shown: bool, stays: bool) -> Diagnostic | None:
-    """Return a finding of the reader as it is for a conversion: a path needs its gap.
+def _of_reader(found: Sequence[Diagnostic], stays: bool) -> list[Diagnostic]:
+    """Return the findings of the reader as they are for a conversion.
+
+    A path needs its gap; and a word that a reader leaves out without harm is a loss.
 
     Args:
-        d: the finding.
-        shown: what is made is a picture.
-        stays: the outline stays one.
+        found: by the reader.
+        stays: the outline stays one, and needs no gap.
     """
-    if d.code != "no-gap" or shown:
-        return d
-    if stays:
-        return None
-    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
-    hint = "--gap 0.1mm --side part, as entered at the controller; --gap 0 for the outline itself"
-    return error("no-gap", what, d.span, hint=hint)
-
-
-def _lost(d: Diagnostic) -> Diagnostic:
-    """Return a note on words that a reader leaves out as what it is for a conversion: a loss."""
-    if d.code != "iso-harmless":
-        return d
-    hint = "see to it at the machine"
-    return replace(d, code="not-carried", severity=Severity.WARNING, hint_template=hint)
+    findings = []
+    for d in found:
+        if d.code == "iso-harmless":
+            findings.append(
+                replace(
+                    d,
+                    code="not-carried",
+                    severity=Severity.WARNING,
+                    hint_template="see to it at the machine",
+                )
+            )
+        elif d.code != "no-gap":
+            findings.append(d)
+        elif not stays:
+            findings.append(
+                error(
+                    "no-gap",
+                    NO_GAP,
+                    d.span,
+                    hint="--gap 0.1mm --side part, as entered at the controller; --gap 0 for the "
+                    "outline itself",
+                )
+            )
+    return findings
 
 
 def _warned(found: list[Diagnostic]) -> bool:
     return any(d.severity >= Severity.WARNING for d in found)
 
 
-def _target(to: str) -> Target:
-    module, _, function = TARGETS[to].partition(":")
-    made: Target = getattr(import_module(module), function)
-    return made
+def _writer(output: str) -> Writer:
+    """Return the function that ``module:function`` names."""
+    module, _, function = output.partition(":")
+    writer: Writer = getattr(import_module(module), function)
+    return writer
 
 
 def between(
@@ -246,25 +253,32 @@ def between(
     found += more
     if data is None or has_errors(more):
         return None, None, None, found
-    made, problems = target.read(data, f"the {machine.format} program", entries)
+    other, problems = target.read(data, f"the {machine.format} program", entries)
     found += [d for d in problems if d.severity is Severity.ERROR]
     if has_errors(found):
-        return None, made, None, found
+        return None, other, None, found
     within = WITHIN_UM * max(1.0, program.step_um)
-    apart = difference(program, made, stepping, machine.stepping, within)
+    apart = difference(program, other, stepping, machine.stepping, within)
     if not apart.equal:
         found.append(_differs(machine.format, program, apart))
-    return (data if apart.equal else None), made, apart, found
+    return (data if apart.equal else None), other, apart, found
 
 
-def _differs(what: str, program: Program, apart: Difference) -> Diagnostic:
-    far = f"{apart.distance_um:.2f} um apart" if apart.distance_um < 1e9 else apart.what
+def _differs(format_: str, program: Program, apart: Difference) -> Diagnostic:
     return error(
         "conversion-differs",
-        f"the {what} program would not step the path of the first: {far} in "
-        f"block {apart.block_a} of the first and {apart.block_b} of the other",
+        "the {format} program would not step the path of the first: {distance_um:.2f} um apart "
+        "in block {block} of the first and {other_block} of the other"
+        if apart.distance_um < 1e9
+        else "the {format} program would not step the path of the first: {difference} in block "
+        "{block} of the first and {other_block} of the other",
         _span_of(program, apart.block_a),
         hint="write another format; wedmcam dump shows the block",
+        format=format_,
+        distance_um=apart.distance_um if apart.distance_um < 1e9 else None,
+        difference=apart.what,
+        block=apart.block_a,
+        other_block=apart.block_b,
     )
 
 
@@ -272,18 +286,14 @@ def _span_of(program: Program, block: int) -> Any:
     return program.spans[block - 1] if 0 < block <= len(program.spans) else None
 
 
-def _no_words(what: str, span: Any) -> Diagnostic:
-    return error("not-in-format", what, span, hint="convert to .dxf, which takes any path")
-
-
 def as_svg(program: Program, machine: Machine, name: str) -> tuple[bytes, list[Diagnostic]]:
     """Return a picture of a program."""
     from wedmcam.reports.picture.program import plot as plot_program
+    from wedmcam.reports.picture.sheet import Caption
 
     starts, ends = block_ends(program, machine)
-    picture = plot_program(
-        program, starts, ends, title=Path(name).name, facts={"profile": machine.name}
-    )
+    caption = Caption(Path(name).name, {"profile": machine.name})
+    picture = plot_program(program, starts, ends, caption=caption)
     return picture.encode("utf-8"), []
 
 
@@ -294,12 +304,12 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     program (rotation, compensation) for the ZD-065's own. An arc that comes out too far from what
     the first program steps is written in more parts.
     """
-    from wedmcam.backends.wed import hindrance, source, trimmed
+    from wedmcam.backends.wed import ANY_PATH, hindrance, source, trim
     from wedmcam.judge.difference import difference
 
     own = target_of(machine).own_path
     steppings = machine.stepping, own.stepping
-    program, left_out = trimmed(program)
+    program, left_out = trim(program)
     pieces = np.ones(len(program.blocks), np.int64)
     for attempt in range(TRIES + 1):
         last = attempt == TRIES
@@ -307,22 +317,27 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
         found = [*left_out, *found]
         if has_errors(found):
             return b"", found
-        made = compile_source(data, profile=own, name=f"{Path(name).name}.wed")
+        compilation = compile_source(data, profile=own, name=f"{Path(name).name}.wed")
         reason = hindrance(program, machine)
-        if not made.ok or made.program is None:
+        if not compilation.ok or compilation.program is None:
             if reason is not None:
-                return b"", [*found, _no_words(*reason)]
-            why = next(d for d in made.findings if d.severity is Severity.ERROR)
-            text = f"the part program made of this program does not compile: {why.message}"
-            hint = "convert to .dxf, which takes any path"
-            return b"", [*found, error("conversion-differs", text, hint=hint)]
-        apart = difference(program, made.program, *steppings, WITHIN_UM * max(1.0, program.step_um))
+                return b"", [*found, reason]
+            why = next(d for d in compilation.findings if d.severity is Severity.ERROR)
+            failed = error(
+                "conversion-differs",
+                "the part program made of this program does not compile: {why}",
+                hint=ANY_PATH,
+                why=why.message,
+            )
+            return b"", [*found, failed]
+        within = WITHIN_UM * max(1.0, program.step_um)
+        apart = difference(program, compilation.program, *steppings, within)
         if apart.equal:
             return data, found
         i = apart.block_a - 1
         if last or not program.blocks["turn"][i] or pieces[i] >= MOST_PIECES:
             if reason is not None:
-                return b"", [*found, _no_words(*reason)]
+                return b"", [*found, reason]
             return b"", [*found, _differs("part", program, apart)]
         pieces[i] *= 2
     raise AssertionError  # the last try returns

@@ -105,10 +105,18 @@ def metamorphic(
     findings = []
     for image in images:
         if not image.ok:
-            text = f"the part {image.name} has another program: {image.why}"
-            findings.append(error("not-an-image", text))
+            findings.append(
+                error(
+                    "not-an-image",
+                    "the part {image} has another program: {why}",
+                    image=image.name,
+                    why=image.why,
+                )
+            )
         elif image.why:
-            findings.append(note("not-an-image", f"the part {image.name}: {image.why}"))
+            findings.append(
+                note("not-an-image", "the part {image}: {why}", image=image.name, why=image.why)
+            )
     return tuple(images), findings
 
 

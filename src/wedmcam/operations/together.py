@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wedmcam.diag import Diagnostic, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.diag.run import Run, WrongUse
 from wedmcam.files import bytes_of
 from wedmcam.formats.names import FORMAT_OF_SUFFIX, SUFFIX_OF_FORMAT
@@ -34,13 +34,13 @@ class Several:
     """What came of it.
 
     Attributes:
-        made: a compile for each format, in their order; the last one is where it stopped, if not
+        compilations: one for each format, in their order; the last one is where it stopped, if not
             all are there.
-        apart_um: how far each path is from the first at most; empty unless all were made.
+        apart_um: how far each path is from the first at most; empty unless all are there.
         differs: an error for each that differs by more than 1 um.
     """
 
-    made: tuple[Compilation, ...]
+    compilations: tuple[Compilation, ...]
     apart_um: tuple[float, ...]
     differs: tuple[Diagnostic, ...]
 
@@ -52,12 +52,12 @@ class Several:
     @property
     def status(self) -> int:
         """The exit status: 0 done, 1 the input has errors, 3 a proof failed."""
-        return 0 if self.ok else 3 if self.differs else self.made[-1].status
+        return 0 if self.ok else 3 if self.differs else self.compilations[-1].status
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
         """What was found, once for all formats."""
-        every = [d for m in self.made for d in m.findings]
+        every = [d for c in self.compilations for d in c.findings]
         kept = {(d.code, d.message, str(d.span)): d for d in reversed(every)}
         return (*reversed(kept.values()), *self.differs)
 
@@ -86,22 +86,24 @@ def compile_several(
         from wedmcam.machines import default
         both = compile_several("bracket.dxf", [default("3b"), default("compact")])
     """
-    made: list[Compilation] = []
+    compilations: list[Compilation] = []
     names = list(output_names) or [""] * len(machines)
     options = options or Options()
     data, name = bytes_of(source, name)
     run = Run(options.judging.strict)
     refused = planned_for(data, name, options, machines, run)
     for machine, output in zip(shared(machines), names, strict=True):
-        said = named is None or any(machine.is_of(format_) for format_ in named)
-        one = compile_plan(data, name, machine, options, run.forked(), output, refused, named=said)
+        by_name = named is None or any(machine.is_of(format_) for format_ in named)
+        one = compile_plan(
+            data, name, machine, options, run.forked(), output, refused, named=by_name
+        )
         for other in machines:  # whose starts the plan has: whoever verifies plans with them again
             if not machine.is_of(other.format) and target_of(other).moves_starts:
                 one.summary.update(starts_of(other))
-        made.append(one)
+        compilations.append(one)
         if not one.ok:
-            return Several(tuple(made), (), ())
-    return _compared(made)
+            return Several(tuple(compilations), (), ())
+    return _compared(compilations)
 
 
 def shared(machines: Sequence[Machine]) -> list[Machine]:
@@ -112,30 +114,32 @@ def shared(machines: Sequence[Machine]) -> list[Machine]:
     return [replace(m, limits=replace(m.limits, **least)) for m in machines]
 
 
-def _compared(made: list[Compilation]) -> Several:
+def _compared(compilations: list[Compilation]) -> Several:
     from wedmcam.judge.difference import difference
 
     apart, wrong = [], []
-    first = made[0]
+    first = compilations[0]
     assert first.program is not None
-    for other in made:
+    for other in compilations:
         assert other.program is not None
         steppings = first.machine.stepping, other.machine.stepping
         within = _within(first, other)
         found = difference(first.program, other.program, *steppings, within)
         apart.append(found.largest_um)
         if not found.equal:
-            x, y = found.at[0] / 1000, found.at[1] / 1000
             wrong.append(
                 error(
                     "conversion-differs",
-                    f"the {other.machine.format} program is not the path of the "
-                    f"{first.machine.format} program at ({x:.3f}, {y:.3f}) mm from the start: "
-                    f"{found.what}",
+                    "the {format} program is not the path of the {first_format} program at "
+                    "{place} from the start: {difference}",
                     hint="compile the formats one by one",
+                    format=other.machine.format,
+                    first_format=first.machine.format,
+                    place=Place.of_um(*found.at),
+                    difference=found.what,
                 )
             )
-    return Several(tuple(made), tuple(apart), tuple(wrong))
+    return Several(tuple(compilations), tuple(apart), tuple(wrong))
 
 
 def _within(one: Compilation, other: Compilation) -> float:

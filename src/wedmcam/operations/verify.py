@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from wedmcam.backends.axes import to_controller
@@ -16,6 +16,7 @@ from wedmcam.diag import Diagnostic, error, has_errors, note, warning
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
 from wedmcam.formats.quadrants import quadrant
+from wedmcam.frontends.iso.dialect import Dialect
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.certificate import finding_data
@@ -30,7 +31,7 @@ from wedmcam.operations.profiles import (
     reader_machine,
     targets_of,
 )
-from wedmcam.operations.read import dialect_of
+from wedmcam.operations.read import NO_GAP, dialect_of
 from wedmcam.options import Options, options_in_mm
 from wedmcam.targets import Entries, Target
 
@@ -43,18 +44,15 @@ def verify(
     format: str | None = None,
     name: str | None = None,
     against_name: str | None = None,
-    origin_mm: tuple[float, float] | None = None,
-    fit_origin: bool = False,
     certificate: dict[str, Any] | None = None,
     options: Options | None = None,
-    shown: bool = False,
-    **mm: Any,
+    **more: Any,
 ) -> Proof:
     """Decode a program, run it on its controller, and compare it with a drawing.
 
     Args:
         program: a path or bytes.
-        against: the drawing; None only decodes, runs and tells the figures.
+        against: the drawing; None only decodes, runs and returns the figures.
         profile: of the program; None for that of the certificate, else the default of its format.
             An ISO program then has to say itself what its numbers mean, or the options
             ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``, ``semicolon_in``,
@@ -62,15 +60,11 @@ def verify(
         format: of the program; None to tell by its name and its content.
         name: of the program in findings.
         against_name: of the drawing.
-        origin_mm: where the program starts in the drawing. None: where the same options start it,
-            else on one of the thread points that are given. Only where none is given, a translation
-            is fitted.
-        fit_origin: a translation is fitted also where thread points are given.
         certificate: of an earlier compile; gives options and origin. All that it says is derived
             again and compared.
-        options: how the drawing is cut; None for those of ``mm``, else of the certificate.
-        shown: the program is only to be drawn: what it leaves open is assumed, with a warning.
-        **mm: instead of ``options``, its fields in mm.
+        options: how the drawing is cut; None for those of ``more``, else of the certificate.
+        **more: ``origin_mm``, ``fit_origin`` and ``shown``, the fields of `Circumstances`; all
+            others are fields of the options in mm, instead of ``options``.
 
     What is proven is the part: another order, other leads, are notes. A program with a certificate
     of a compile is one of ours: order and leads are to be the plan's.
@@ -79,97 +73,244 @@ def verify(
         WrongUse: options that do not fit together, or a certificate that is none.
     """
     data, name = bytes_of(program, name)
+    here, mm = Circumstances.taken_from(more)
     if certificate is not None:
         options = _options_issued(certificate, options, mm)
         if profile is None:
             profile = machine_issued(certificate)
-    if fit_origin and origin_mm is not None:
+    if here.fit_origin and here.origin_mm is not None:
         raise WrongUse("--origin says where the program starts: there is nothing to fit")
     machine = reader_machine(data, name, format, profile)
     if options is None:
         options = options_in_mm(**mm)
-    dialect = dialect_of(options.program.answers, profile is not None, shown)
-    run = Run(options.judging.strict)
-    planning = Run(options.judging.strict)
-    targets = targets_of(machine, certificate)
-    target = targets[0]
-    decoded: Program | None = None
+    drawing, drawing_name = (None, "") if against is None else bytes_of(against, against_name)
+    case = _Case(
+        data,
+        name,
+        dialect_of(options.program.answers, profile is not None, here.shown),
+        targets_of(machine, certificate),
+        options,
+        drawing,
+        drawing_name,
+        certificate,
+        here,
+    )
+    return _proof_of(case)
+
+
+@dataclass(frozen=True, slots=True)
+class Circumstances:
+    """What is known of a program beside its text and its options.
+
+    Attributes:
+        origin_mm: where the program starts in the drawing. None: where the same options start it,
+            else on one of the thread points that are given. Only where none is given, a translation
+            is fitted.
+        fit_origin: a translation is fitted also where thread points are given.
+        shown: the program is only to be drawn: what it leaves open is assumed, with a warning.
+    """
+
+    origin_mm: tuple[float, float] | None = None
+    fit_origin: bool = False
+    shown: bool = False
+
+    @classmethod
+    def taken_from(cls, keywords: Mapping[str, Any]) -> tuple[Circumstances, dict[str, Any]]:
+        """Return the circumstances among some keywords, and the other keywords."""
+        own = {f.name for f in fields(cls)}
+        return (
+            cls(**{k: v for k, v in keywords.items() if k in own}),
+            {k: v for k, v in keywords.items() if k not in own},
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Case:
+    """A program to be proven, and what it is proven with.
+
+    Attributes:
+        data, name: the program.
+        dialect: what is said of an ISO program beside its text.
+        targets: that of the program, and that whose starts the plan has.
+        options: how the drawing is cut.
+        drawing, drawing_name: what it is compared with; None for nothing.
+        certificate: of an earlier compile.
+        here: where it starts, and what for it is read.
+    """
+
+    data: bytes
+    name: str
+    dialect: Dialect
+    targets: Sequence[Target]
+    options: Options
+    drawing: bytes | None
+    drawing_name: str
+    certificate: dict[str, Any] | None
+    here: Circumstances
+
+    @property
+    def target(self) -> Target:
+        """The target of the program."""
+        return self.targets[0]
+
+    @property
+    def files(self) -> Files:
+        """Both files, for a summary."""
+        return Files(self.drawing_name, self.drawing or b"", self.name, self.data)
+
+
+@dataclass(slots=True, eq=False)
+class _Evidence:
+    """What is known of a case so far: it stays so where a stage refuses.
+
+    Attributes:
+        program: as decoded; at its place in the drawing once that is known.
+        read: findings of the reader.
+        drawn, plan: of the drawing.
+        verdict: on the program along its plan.
+        figures: of the program by itself, where there is no drawing.
+    """
+
+    program: Program | None = None
+    read: Sequence[Diagnostic] = ()
+    drawn: Drawn | None = None
     plan: Plan | None = None
     verdict: Verdict | None = None
-    drawn: Drawn | None = None
-    told: dict[str, Any] = {}
-    drawing, drawing_name = (b"", "") if against is None else bytes_of(against, against_name)
-    files = Files(drawing_name, drawing, name, data)
-    stage = ""
+    figures: dict[str, Any] = field(default_factory=dict)
+
+
+def _proof_of(case: _Case) -> Proof:
+    """Return the proof of a case: whatever came of it until a stage refused."""
+    run, planning = Run(case.options.judging.strict), Run(case.options.judging.strict)
+    known, stage = _Evidence(), ""
     try:
-        # An outline's program does not say how far beside it the wire runs; the plan does.
-        if against is not None and (target.takes_gap or target.makes_path):
-            drawn, plan = _asked_plan(drawing, drawing_name, options, targets, planning, run)
-        entries = replace(target.entered(_stated_entries(options), plan), dialect=dialect)
-        run.add("decode", _offsets_of_plan(entries, target, options))
-        decoded, read = target.read(data, name, entries)
-        decoded = run("decode", (decoded, read))
-        kind = (
-            sources.source_format(drawing, drawing_name, options.drawing.source) if drawn else None
-        )
-        run.add("decode", _no_gap(decoded, target, options, kind))
-        run.add("decode", _unended(decoded, target))
-        if against is not None:
-            if drawn is None or plan is None:
-                drawn, plan = _asked_plan(drawing, drawing_name, options, targets, planning, run)
-            ours = certificate is not None and proof.is_ours(certificate)
-            if certificate is not None:
-                run.add("certificate", proof.issued_for_others(certificate, data, drawing))
-                # Where a program of ours starts follows from its plan, and is compared.
-                if origin_mm is None and not ours and proof.is_of(certificate, "output", data):
-                    x, y = certificate["origin_um"]
-                    origin_mm = (x / 1000, y / 1000)
-            how = proof.Placing(
-                None if origin_mm is None else (1000 * origin_mm[0], 1000 * origin_mm[1]),
-                proof.given_points(drawn, options),
-                fit_origin,
-                ours,
-            )
-            before = len(run.found)
-            decoded, verdict = proof.placed(decoded, plan, target, options, how, run)
-            if certificate is not None:
-                now = summary_of(
-                    run.found,
-                    machine,
-                    options,
-                    files,
-                    drawn,
-                    verdict,
-                    understood_of(plan),
-                )
-                run.add(
-                    "certificate",
-                    proof.held_to(
-                        certificate,
-                        now,
-                        proof.Proven(decoded, data, drawing, plan, target, options),
-                        planning.found,
-                        read,
-                        run.found[before:],
-                        run.found,
-                    ),
-                )
+        program = _decode(case, known, planning, run)
+        if case.drawing is None:
+            _measure_alone(case, known, program, run)
         else:
-            told, found = figures_of(decoded, machine.stepping, machine.limits)
-            run.add("verify", found)
-            run.add("verify", _not_closed(decoded, target, options))
-            if certificate is not None:
-                run.add("certificate", proof.held_to_alone(certificate, told, data))
+            _compare(case, known, program, planning, run)
     except Refused as why:
         stage = why.stage
     errors = has_errors(run.found)
-    status = 0 if not errors else (3 if stage in ("verify", "certificate") else 1)
-    known = understood_of(plan)
-    summary = proof_summary(run, machine, options, files, drawn, told, verdict, known)
-    if verdict is not None and certificate is None:
+    machine, understood = case.target.machine, understood_of(known.plan)
+    summary = proof_summary(
+        run,
+        machine,
+        case.options,
+        case.files,
+        known.drawn,
+        known.figures,
+        known.verdict,
+        understood,
+    )
+    if known.verdict is not None and case.certificate is None:
         summary["leads"] = "own"  # so order and leads are not held to the plan's next time either
-    said = tuple(run.found)
-    return Proof(not errors, decoded, verdict, plan, machine, summary, said, status, known)
+    return Proof(
+        not errors,
+        known.program,
+        known.verdict,
+        known.plan,
+        machine,
+        summary,
+        tuple(run.found),
+        0 if not errors else 3 if stage in ("verify", "certificate") else 1,
+        understood,
+    )
+
+
+def _decode(case: _Case, known: _Evidence, planning: Run, run: Run) -> Program:
+    """Read the program as its operator would enter it, and report what it leaves open."""
+    target, options = case.target, case.options
+    # An outline's program does not say how far beside it the wire runs; the plan does.
+    if case.drawing is not None and (target.takes_gap or target.makes_path):
+        _plan(case, known, planning, run)
+    entries = replace(target.entered(_stated_entries(options), known.plan), dialect=case.dialect)
+    run.add("decode", _offsets_of_plan(entries, target, options))
+    program, known.read = target.read(case.data, case.name, entries)
+    program = known.program = run("decode", (program, known.read))
+    drawing = case.drawing if known.drawn else None
+    kind = None
+    if drawing is not None:
+        kind = sources.source_format(drawing, case.drawing_name, options.drawing.source)
+    run.add("decode", _no_gap(program, target, options, kind))
+    run.add("decode", _unended(program, target))
+    return program
+
+
+def _plan(case: _Case, known: _Evidence, planning: Run, run: Run) -> tuple[Drawn, Plan]:
+    """Plan the drawing, and the part of it that the options want of the first target.
+
+    Findings go into both runs; ``planning`` has no others.
+    """
+    try:
+        drawn, plan = pipeline.planned(
+            case.drawing or b"", case.drawing_name, case.options, case.targets, planning
+        )
+        plan = portion(plan, case.target, case.options, planning)
+    finally:
+        run.found += planning.found
+    known.drawn, known.plan = drawn, plan
+    return drawn, plan
+
+
+def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run: Run) -> None:
+    """Judge the program against the plan of its drawing, and hold it to its certificate."""
+    target, options, certificate = case.target, case.options, case.certificate
+    drawing = case.drawing or b""
+    if known.drawn is None or known.plan is None:
+        drawn, plan = _plan(case, known, planning, run)
+    else:
+        drawn, plan = known.drawn, known.plan
+    origin_mm = case.here.origin_mm
+    ours = certificate is not None and proof.is_ours(certificate)
+    if certificate is not None:
+        run.add("certificate", proof.issued_for_others(certificate, case.data, drawing))
+        # Where a program of ours starts follows from its plan, and is compared.
+        if origin_mm is None and not ours and proof.is_of(certificate, "output", case.data):
+            x, y = certificate["origin_um"]
+            origin_mm = (x / 1000, y / 1000)
+    placing = proof.Placing(
+        None if origin_mm is None else (1000 * origin_mm[0], 1000 * origin_mm[1]),
+        proof.given_points(drawn, options),
+        case.here.fit_origin,
+        ours,
+    )
+    before = len(run.found)
+    program, verdict = proof.placed(program, plan, target, options, placing, run)
+    known.program, known.verdict = program, verdict
+    if certificate is None:
+        return
+    now = summary_of(
+        run.found,
+        target.machine,
+        options,
+        case.files,
+        drawn,
+        verdict,
+        understood_of(plan),
+    )
+    run.add(
+        "certificate",
+        proof.held_to(
+            certificate,
+            now,
+            proof.Proven(program, case.data, drawing, plan, target, options),
+            planning.found,
+            known.read,
+            run.found[before:],
+            run.found,
+        ),
+    )
+
+
+def _measure_alone(case: _Case, known: _Evidence, program: Program, run: Run) -> None:
+    """Measure what the program does by itself, and hold its certificate to that."""
+    machine = case.target.machine
+    known.figures, findings = figures_of(program, machine.stepping, machine.limits)
+    run.add("verify", findings)
+    run.add("verify", _not_closed(program, case.target, case.options))
+    if case.certificate is not None:
+        run.add("certificate", proof.held_to_alone(case.certificate, known.figures, case.data))
 
 
 def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> Proof:
@@ -177,9 +318,9 @@ def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> P
     if sources.source_format(drawing, name, options.drawing.source) == "wed":
         raise WrongUse("--metamorphic compiles images of drawings; a .wed says sides by name")
 
-    images, found = metamorphic(drawing, name, proven.machine, options)
-    said = {(d.code, d.message) for d in proven.findings}
-    new = [d for d in found if (d.code, d.message) not in said]
+    images, findings = metamorphic(drawing, name, proven.machine, options)
+    before = {(d.code, d.message) for d in proven.findings}
+    new = [d for d in findings if (d.code, d.message) not in before]
     bad = has_errors(new)
     summary = {
         **proven.summary,
@@ -194,26 +335,6 @@ def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> P
         findings=(*proven.findings, *new),
         status=proven.status or (3 if bad else 0),
     )
-
-
-def _asked_plan(
-    drawing: bytes,
-    name: str,
-    options: Options,
-    targets: Sequence[Target],
-    planning: Run,
-    run: Run,
-) -> tuple[Drawn, Plan]:
-    """Return what was drawn, and the part of its plan that is asked for of the first target.
-
-    What is found goes into both runs; ``planning`` has nothing else.
-    """
-    try:
-        drawn, plan = pipeline.planned(drawing, name, options, targets, planning)
-        plan = portion(plan, targets[0], options, planning)
-    finally:
-        run.found += planning.found
-    return drawn, plan
 
 
 def _stated_entries(options: Options) -> Entries:
@@ -233,8 +354,14 @@ def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list
         table.append(f"every {entries.letter} = {entry}{' (diameter)' * entries.diameter}")
     if not table:
         return []
-    text = f"{', '.join(table)} is taken to be entered at the controller: the offsets of the source"
-    return [note("iso-compensation", text, hint="--d N=LENGTH states what is entered")]
+    return [
+        note(
+            "iso-compensation",
+            "{offsets} is taken to be entered at the controller: the offsets of the source",
+            hint="--d N=LENGTH states what is entered",
+            offsets=", ".join(table),
+        )
+    ]
 
 
 def _no_gap(
@@ -250,9 +377,13 @@ def _no_gap(
     found = [] if stated else target.unstated(decoded)
     if against is None or not found:
         return found
-    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
-    hint = "--offset 0.1mm, the gap that is entered at the controller; --side on for none"
-    return [error("no-gap", what, hint=hint)]
+    return [
+        error(
+            "no-gap",
+            NO_GAP,
+            hint="--offset 0.1mm, the gap that is entered at the controller; --side on for none",
+        )
+    ]
 
 
 def _options_issued(
@@ -283,10 +414,11 @@ def _unended(program: Program, target: Target) -> list[Diagnostic]:
     return [
         warning(
             "no-end",
-            f"the program has no stop ({stop}): some controllers run on into what "
-            "their memory still holds",
+            "the program has no stop ({stop}): some controllers run on into what their memory "
+            "still holds",
             program.spans[-1] if len(program.spans) else None,
-            hint=f"end it with {stop}",
+            hint="end it with {stop}",
+            stop=stop,
         )
     ]
 

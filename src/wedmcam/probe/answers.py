@@ -93,7 +93,7 @@ class Readings:
         stops: program -> stops as read, in order; their section is not known: "".
         lines: program -> line of the sheet of each stop.
         moved: how far the wire went between the first two stops, (x, y) as the drawing lies on the
-            machine, um; None where nobody measured.
+            machine, um; None where it was not measured.
     """
 
     stops: Mapping[str, Sequence[Stop]]
@@ -137,22 +137,29 @@ def read_sheet(text: str, file: str) -> tuple[Readings, list[Diagnostic]]:
     lines: dict[str, list[int]] = {}
     moved = None
     for number, line in enumerate(text.splitlines(), 1):
-        told = line.split("#")[0].replace(",", ".").split()
-        if not told or any(re.fullmatch("_+", t) for t in told):
+        words = line.split("#")[0].replace(",", ".").split()
+        if not words or any(re.fullmatch("_+", t) for t in words):
             continue
-        numbers = [t for t in told[1:3] if re.fullmatch(r"[-+]?\d{1,6}(\.\d*)?|[-+]?\.\d+", t)]
-        known = told[0] in PARTS or told[0] == "moved"
-        if not known or len(numbers) < 2 or told[3:] not in ([], ["alarm"]):
-            what = f"'{line.strip()[:40]}' is no reading"
-            hint = f"a line is {', '.join(PARTS)} or moved, X and Y in mm, and 'alarm' or nothing"
-            found.append(error("probe-reading", what, TextSpan(file, number, 1), hint=hint))
+        numbers = [t for t in words[1:3] if re.fullmatch(r"[-+]?\d{1,6}(\.\d*)?|[-+]?\.\d+", t)]
+        known = words[0] in PARTS or words[0] == "moved"
+        if not known or len(numbers) < 2 or words[3:] not in ([], ["alarm"]):
+            found.append(
+                error(
+                    "probe-reading",
+                    "'{line}' is no reading",
+                    TextSpan(file, number, 1),
+                    hint="a line is {programs} or moved, X and Y in mm, and 'alarm' or nothing",
+                    line=line.strip()[:40],
+                    programs=", ".join(PARTS),
+                )
+            )
             continue
         x, y = (1000.0 * float(v) for v in numbers)
-        if told[0] == "moved":
+        if words[0] == "moved":
             moved = x, y
             continue
-        read.setdefault(told[0], []).append(Stop("", round(x), round(y), bool(told[3:])))
-        lines.setdefault(told[0], []).append(number)
+        read.setdefault(words[0], []).append(Stop("", round(x), round(y), bool(words[3:])))
+        lines.setdefault(words[0], []).append(number)
     return Readings(read, lines, moved), found
 
 
@@ -177,15 +184,23 @@ def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnosti
             most = max(_agree(stops(part, c), read, partly=True) for c in candidates)
             last = min(most, len(read) - 1)
             x, y = read[last][1:3]
-            what = (
-                f"stop {most + 1} of {part}, at {x / 1000:.3f}, {y / 1000:.3f}, fits no controller "
-                "that is known"
-                if most < len(read)
-                else f"the {len(read)} stops of {part} fit, but controllers stop elsewhere too"
+            found.append(
+                error(
+                    "probe-reading",
+                    "stop {stop} of {program}, at {x_mm:.3f}, {y_mm:.3f}, fits no controller that "
+                    "is known"
+                    if most < len(read)
+                    else "the {stops} stops of {program} fit, but controllers stop elsewhere too",
+                    TextSpan(file, readings.lines[part][last], 1),
+                    hint="read it again; was the display at 0 at the start, and is a line for each "
+                    "stop?",
+                    stop=most + 1,
+                    stops=len(read),
+                    program=part,
+                    x_mm=x / 1000,
+                    y_mm=y / 1000,
+                )
             )
-            hint = "read it again; was the display at 0 at the start, and is a line for each stop?"
-            span = TextSpan(file, readings.lines[part][last], 1)
-            found.append(error("probe-reading", what, span, hint=hint))
             continue
         for field in ASKED[part]:
             values = {str(getattr(c, field)) for c in good}
@@ -224,7 +239,7 @@ def _agree(wanted: Sequence[Stop], read: Sequence[Stop], partly: bool = False) -
 def axes_of(moved: tuple[float, float]) -> Axes | None:
     """Return how the axes lie, from where 2000 pulses of X and 1000 of Y moved the wire, um.
 
-    None where that is not two ways of which one is twice the other.
+    None where that is not two ways, one twice the other.
 
     >>> axes_of((-2000, 1000)).said, axes_of((5000, 10000)).said
     ('x mirrored', 'x and y exchanged; steps of 5 um')
@@ -238,10 +253,10 @@ def axes_of(moved: tuple[float, float]) -> Axes | None:
     return Axes(abs(x) < abs(y), x < 0, y < 0, near or round(step, 3))
 
 
-def toml(told: Sequence[Answer], moved: tuple[float, float] | None = None) -> str:
+def toml(words: Sequence[Answer], moved: tuple[float, float] | None = None) -> str:
     """Return the keys of a profile that follow, and the rest as comments."""
     keys, notes = [], []
-    for answer in told:
+    for answer in words:
         for value in answer.values:
             meaning, key = MEANS[answer.field][value]
             may = "" if len(answer.values) == 1 else "perhaps: "
@@ -252,7 +267,7 @@ def toml(told: Sequence[Answer], moved: tuple[float, float] | None = None) -> st
     if moved is not None:
         axes = axes_of(moved)
         if axes is None:
-            lines.append("# moved: not two ways of which one is twice the other; measure again")
+            lines.append("# moved: not two ways, one twice the other; measure again")
         else:
             flags = (("exchange", axes.exchange), ("mirror_x", axes.mirror_x),
                      ("mirror_y", axes.mirror_y))  # fmt: skip

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +19,8 @@ from wedmcam.ir.program import BLOCK, Axis, Kind
 from wedmcam.machines import Layout, Machine
 
 
-class Record(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Record:
     """A 3B record as it is written; x and y are magnitudes, None for a field left blank.
 
     >>> Record(None, None, 500, "Y", "L2").text(Layout())
@@ -29,7 +29,7 @@ class Record(NamedTuple):
 
     x: int | None
     y: int | None
-    count: int  # type: ignore[assignment]
+    count: int
     axis: str
     z: str
 

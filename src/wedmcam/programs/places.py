@@ -19,7 +19,7 @@ Ints = NDArray[np.int64]
 
 #: Nearer than this two blocks are as good, and the one in its turn is taken, um: leads go back the
 #: way they came, and an overcut repeats the start.
-SAME_UM = 5.0
+AS_NEAR_UM = 5.0
 #: How many blocks before and after its turn a block is looked for among.
 WINDOW = 64
 
@@ -75,7 +75,7 @@ def _nearest(low: seg.Segments, here: seg.Segments) -> Ints:
     times = tried.shape[1]
     off = seg.distances(low.take(flat), np.repeat(x, times), np.repeat(y, times))
     away = np.abs(begin[flat] + low.length[flat] / 2 - np.repeat(middle, times))
-    rank = np.floor(off / SAME_UM) * 1e9 + away
+    rank = np.floor(off / AS_NEAR_UM) * 1e9 + away
     best = np.argmin(rank.reshape(tried.shape), axis=1)
     chosen: Ints = tried[np.arange(len(x)), best]
     return chosen

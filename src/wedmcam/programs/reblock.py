@@ -69,8 +69,14 @@ def carry(
     found: list[Diagnostic] = []
     endless = np.flatnonzero(motion.steps < 0)
     for i in endless[:1].tolist():
-        what = f"block {i + 1} never ends on its own controller: it is no path to carry over"
-        found.append(error("endless-block", what, _span(program, i)))
+        found.append(
+            error(
+                "endless-block",
+                "block {block} never ends on its own controller: it is no path to carry over",
+                _span(program, i),
+                block=i + 1,
+            )
+        )
     if found:
         return None, found
     kind = blocks["kind"].astype(np.int64)
@@ -79,11 +85,16 @@ def carry(
     words = dict(program.words)
     lost = np.array([i for i, word in words.items() if not rules.keeps(word)], dtype=np.int64)
     if len(lost):
-        which = counted(words[i] for i in lost.tolist())
-        what = f"control words that have no place in the other format, left out: {which}"
-        hint = "see to it at the machine"
-        at = _span(program, int(lost[0]))
-        found.append(warning("not-carried", what, at, hint=hint, count=len(lost)))
+        found.append(
+            warning(
+                "not-carried",
+                "control words that have no place in the other format, left out: {words}",
+                _span(program, int(lost[0])),
+                hint="see to it at the machine",
+                count=len(lost),
+                words=counted(words[i] for i in lost.tolist()),
+            )
+        )
         kept[lost] = False
     stops = np.flatnonzero((kind == Kind.STOP) | (kind == Kind.END))
     if len(stops) and not rules.end:
@@ -91,8 +102,14 @@ def carry(
     after = np.arange(len(blocks)) > (stops[0] if len(stops) else len(blocks))
     late = np.flatnonzero(after & moving & kept)
     if len(late):
-        what = f"{len(late)} blocks behind the end of cutting are no part of the path; left out"
-        found.append(warning("not-carried", what, _span(program, int(late[0]))))
+        found.append(
+            warning(
+                "not-carried",
+                "{blocks} blocks behind the end of cutting are no part of the path; left out",
+                _span(program, int(late[0])),
+                blocks=len(late),
+            )
+        )
         kept[late] = False
     parts = _parts(blocks, motion, kept, rules, stepping)
     made = np.zeros(len(parts.source), BLOCK)

@@ -132,19 +132,25 @@ def _leads(blocks: Blocks, rows: Ints, starts: Ints, ends: Ints) -> int:
     return count
 
 
-def words_left_out(program: Program, rows: list[int], where: str) -> list[Diagnostic]:
+def words_left_out(program: Program, rows: list[int], output: str) -> list[Diagnostic]:
     """Return the warning that names control words which have no place in what is written.
 
     Args:
         program: as decoded.
         rows: numbers of the blocks that are such words, from 0.
-        where: what is written, for people.
+        output: what is written, for people: "a drawing".
     """
     if not rows:
         return []
     words = dict(program.words)
-    which = counted(words[i] for i in rows)
-    what = f"control words that have no place in {where}, left out: {which}"
-    at = program.spans[rows[0]] if rows[0] < len(program.spans) else None
-    hint = "see to it at the machine"
-    return [warning("not-carried", what, at, hint=hint, count=len(rows))]
+    return [
+        warning(
+            "not-carried",
+            "control words that have no place in {output}, left out: {words}",
+            program.spans[rows[0]] if rows[0] < len(program.spans) else None,
+            hint="see to it at the machine",
+            count=len(rows),
+            output=output,
+            words=counted(words[i] for i in rows),
+        )
+    ]

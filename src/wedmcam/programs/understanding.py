@@ -73,7 +73,7 @@ class _Lies(NamedTuple):
 
     @classmethod
     def of(cls, cut: Cut, outline: Contour, area: float, drawn: float) -> _Lies:
-        """Return it, measured on both, of which these are the signed areas."""
+        """Return it, measured on both, whose signed areas these are."""
         if not outline.closed:
             v = cut.path.vertices
             ends = (place((v["x"][k], v["y"][k])) for k in (0, -1))

@@ -19,6 +19,7 @@ from wedmcam.reports.picture.page import page
 from wedmcam.reports.picture.program import plot as plot_program
 from wedmcam.reports.picture.program import plot_contours
 from wedmcam.reports.picture.refused import plot_refused
+from wedmcam.reports.picture.sheet import Caption
 
 
 def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
@@ -50,8 +51,7 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
         ends,
         plan=made.plan,
         known=made.understood,
-        title=title,
-        facts=_plot_facts(made),
+        caption=Caption(title, _plot_facts(made)),
         marks=marks,
     )
 

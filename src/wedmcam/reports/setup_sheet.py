@@ -59,44 +59,12 @@ def sheet(
     from wedmcam.reports.plot import plot
 
     assert made.program is not None
-    assert made.verdict is not None
-    assert made.plan is not None
     assert made.understood is not None
-    v, m, program, known = made.verdict, made.machine, made.program, made.understood
-    zero = program.origin_um
-    entered = made.entries.lines() if made.entries else []
-    ways = Counter(row.direction for row in known.rows)
+    known, zero = made.understood, made.program.origin_um
     facts = [
         ("program", visible(name)),
-        ("made of", visible(str(made.summary["input"]))),
-        ("controller", visible(f"{m.title} ({m.name})")),
-        ("cuts", known.counts),
-        ("axes", _axes(m)),
-        ("program's SHA-256", made.summary["sha256"]["output"]),
-        ("blocks, steps", f"{v.blocks}, {v.steps}"),
-        ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
-        ("wire, gap", _wire(wire_um, gap_um, made.options.cutting.clearance_um)),
-        ("offset, side", f"{made.plan.offsets_text}, {v.side}"),
-        *((f"offset {d}, to be entered", um) for d, um in entered),
-        ("direction", ", ".join(f"{n} {way}" for way, n in ways.items())),
-        ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm in the drawing".format(
-            *(e / 1000 for e in v.extents_um))),
-        ("extents from zero", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm".format(
-            *((e - o) / 1000 for e, o in zip(v.extents_um, (*zero, *zero), strict=True)))),
-        ("proof", f"deviation {v.max_deviation_um:.2f} um, gouge "
-                  f"{'-' if v.gouge_um is None else f'{v.gouge_um:.2f} um'}, closure "
-                  f"{'-' if v.closure_um is None else f'{v.closure_um:.0f} um'}"),
-    ]  # fmt: skip
-    holes = []
-    for cut, row in zip(v.cuts, known.rows, strict=True):
-        tx, ty = _start(made, cut.first_block - 1)
-        holes.append(
-            (row.thread.name,
-             *(f"{c / 1000 + 0.0:.3f}" for c in (tx, ty, tx - zero[0], ty - zero[1])),
-             f"{cut.first_block} to {cut.last_block}", f"{row.offset_um / 1000:.3f}",
-             f"{cut.length_mm:.3f}",
-             _time(cut.length_mm, feed_um).strip(" ()"), row.thread.origin)
-        )  # fmt: skip
+        *_facts(made, feed_um, _wire(wire_um, gap_um, made.options.cutting.clearance_um)),
+    ]
     return [
         ("Setup sheet", (("what", "value"), facts)),
         (
@@ -108,7 +76,8 @@ def sheet(
         (
             "Start holes",
             (("hole", "x in the drawing", "y in the drawing", "x from zero", "y from zero",
-              "blocks", "offset mm", "path with leads mm", "time", "placed by"), holes),
+              "blocks", "offset mm", "path with leads mm", "time", "placed by"),
+             _holes(made, zero, feed_um)),
         ),
         ("Who placed them", ". ".join(known.threads) + "."),
         ("Contours", (HEADINGS, [(f"{r.number} ({r.thread.name})", *r.cells[1:])
@@ -120,6 +89,56 @@ def sheet(
         ),
         ("Picture", Picture(plot(made, name), picture)),
     ]  # fmt: skip
+
+
+def _facts(made: Compilation, feed_um: float | None, wire: str) -> list[tuple[str, str]]:
+    """Return what the sheet says of the whole program; ``wire`` says how wide it cuts."""
+    assert made.program is not None
+    assert made.verdict is not None
+    assert made.plan is not None
+    assert made.understood is not None
+    v, m, known, zero = made.verdict, made.machine, made.understood, made.program.origin_um
+    entered = made.entries.lines() if made.entries else []
+    ways = Counter(row.direction for row in known.rows)
+    return [
+        ("made of", visible(str(made.summary["input"]))),
+        ("controller", visible(f"{m.title} ({m.name})")),
+        ("cuts", known.counts),
+        ("axes", _axes(m)),
+        ("program's SHA-256", made.summary["sha256"]["output"]),
+        ("blocks, steps", f"{v.blocks}, {v.steps}"),
+        ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
+        ("wire, gap", wire),
+        ("offset, side", f"{made.plan.offsets_text}, {v.side}"),
+        *((f"offset {d}, to be entered", um) for d, um in entered),
+        ("direction", ", ".join(f"{n} {way}" for way, n in ways.items())),
+        ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm in the drawing".format(
+            *(e / 1000 for e in v.extents_um))),
+        ("extents from zero", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm".format(
+            *((e - o) / 1000 for e, o in zip(v.extents_um, (*zero, *zero), strict=True)))),
+        ("proof", f"deviation {v.max_deviation_um:.2f} um, gouge "
+                  f"{'-' if v.gouge_um is None else f'{v.gouge_um:.2f} um'}, closure "
+                  f"{'-' if v.closure_um is None else f'{v.closure_um:.0f} um'}"),
+    ]  # fmt: skip
+
+
+def _holes(
+    made: Compilation, zero: tuple[float, float], feed_um: float | None
+) -> list[tuple[str, ...]]:
+    """Return a row for each start hole."""
+    assert made.verdict is not None
+    assert made.understood is not None
+    holes: list[tuple[str, ...]] = []
+    for cut, row in zip(made.verdict.cuts, made.understood.rows, strict=True):
+        tx, ty = _start(made, cut.first_block - 1)
+        holes.append(
+            (row.thread.name,
+             *(f"{c / 1000 + 0.0:.3f}" for c in (tx, ty, tx - zero[0], ty - zero[1])),
+             f"{cut.first_block} to {cut.last_block}", f"{row.offset_um / 1000:.3f}",
+             f"{cut.length_mm:.3f}",
+             _time(cut.length_mm, feed_um).strip(" ()"), row.thread.origin)
+        )  # fmt: skip
+    return holes
 
 
 def _wire(wire_um: float | None, gap_um: float | None, clearance_um: float) -> str:

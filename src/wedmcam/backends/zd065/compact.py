@@ -8,6 +8,8 @@ always written; nothing can follow it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +17,6 @@ from wedmcam.backends.checks import Checks, travel
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import compact, lines
-from wedmcam.formats.lengths import mm_of
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Machine
 
@@ -44,140 +45,183 @@ def encode(
         Severity.ERROR,
         "not-in-format",
         kinds == Kind.WORD,
-        lambda i: f"the control word '{dict(program.words)[i]}' has no instruction",
+        "block {block}: the control word '{word}' has no instruction",
+        lambda i: {"word": dict(program.words)[i]},
     )
     end = (kinds == Kind.STOP) | (kinds == Kind.END)
     checks.tell(
         Severity.ERROR,
         "not-in-format",
         ~end & (np.cumsum(end) > 0),
-        lambda i: "stands after the stop; the end byte 0x00 ends the data",
-        "write the programs into files of their own",
+        "block {block}: stands after the stop; the end byte 0x00 ends the data",
+        hint="write the programs into files of their own",
     )
-    x, y, count = _fields(checks, machine, arc, straight)
+    f = _fields(checks, machine, arc, straight)
     if not checks.failed:
         checks.found += travel(program, machine)
     if checks.failed:
         return b"", checks.found
 
-    memory = Memory(kinds, turn, x, y, compact.LENGTH)
-    memory.put(arc, 1, 4, x)
-    memory.put(arc, 5, 4, y)
-    memory.put(arc, 9, 3, count)
-    memory.put(straight, 1, 3, x)
-    memory.put(straight, 4, 3, y)
+    memory = Memory(kinds, turn, f.x, f.y, compact.LENGTH)
+    memory.put(arc, 1, 4, f.x)
+    memory.put(arc, 5, 4, f.y)
+    memory.put(arc, 9, 3, f.count)
+    memory.put(straight, 1, 3, f.x)
+    memory.put(straight, 4, 3, f.y)
     checks.found += memory.too_large(machine)
     return memory.data.tobytes(), checks.found
 
 
+@dataclass(slots=True, eq=False)
+class _Fields:
+    """Numbers of the blocks to write, steps; 0 where a block is no motion.
+
+    Attributes:
+        x, y: signed.
+        axis: on which the block was counted.
+        count: J.
+        arc, straight: which blocks are arcs; lines and moves.
+    """
+
+    x: NDArray[np.int64]
+    y: NDArray[np.int64]
+    axis: NDArray[np.uint8]
+    count: NDArray[np.int64]
+    arc: NDArray[np.bool_]
+    straight: NDArray[np.bool_]
+
+
 def _fields(
     checks: Checks, machine: Machine, arc: NDArray[np.bool_], straight: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Return x, y (signed) and J to write, and report what does not fit."""
-    mm = mm_of(machine.axes.step_um)
-    blocks, limits = checks.program.blocks, machine.limits
+) -> _Fields:
+    """Return the numbers to write, lines in full, and report what does not fit."""
+    blocks = checks.program.blocks
     x, y, count = (np.where(arc | straight, blocks[k], 0) for k in ("x", "y", "count"))
-    axis = blocks["axis"]
-    err = Severity.ERROR
-    # Before any product: what is refused here must not overflow below.
-    huge = np.where(arc, limits.arc_um, limits.line_um)
-    wide = (np.abs(x) > huge) | (np.abs(y) > huge)
+    f = _Fields(x, y, blocks["axis"], count, arc, straight)
+    _refuse_too_large(checks, machine, f)
+    _refuse_arcs(checks, machine, f)
+    _write_full(checks, machine, f)
+    return f
+
+
+def _refuse_too_large(checks: Checks, machine: Machine, f: _Fields) -> None:
+    """Report numbers that a field does not hold; they are 1 from there, so that none overflows."""
+    per_mm, limits = 1000.0 / machine.axes.step_um, machine.limits
+    huge = np.where(f.arc, limits.arc_um, limits.line_um)
+    wide = (np.abs(f.x) > huge) | (np.abs(f.y) > huge)
     checks.tell(
-        err,
+        Severity.ERROR,
         "over-limit",
         wide,
-        lambda i: (
-            f"X, Y are {mm(abs(int(x[i])))}, {mm(abs(int(y[i])))}; "
-            f"the largest of {machine.name} is {mm(int(huge[i]))}"
-        ),
+        "block {block}: X, Y are {x_mm:.3f} mm, {y_mm:.3f} mm; the largest of {machine} is "
+        "{most_mm:.3f} mm",
+        lambda i: {
+            "x_mm": abs(int(f.x[i])) / per_mm,
+            "y_mm": abs(int(f.y[i])) / per_mm,
+            "machine": machine.name,
+            "most_mm": int(huge[i]) / per_mm,
+        },
     )
-    most = np.where(arc, limits.count_um, limits.line_um)
+    most = np.where(f.arc, limits.count_um, limits.line_um)
     checks.tell(
-        err,
+        Severity.ERROR,
         "over-limit",
-        count > most,
-        lambda i: (
-            f"{'J' if arc[i] else 'the length'} is {mm(int(count[i]))}; "
-            f"the largest of {machine.name} is {mm(int(most[i]))}"
-        ),
+        f.count > most,
+        "block {block}: {number} is {count_mm:.3f} mm; the largest of {machine} is "
+        "{most_mm:.3f} mm",
+        lambda i: {
+            "number": "J" if f.arc[i] else "the length",
+            "count_mm": int(f.count[i]) / per_mm,
+            "machine": machine.name,
+            "most_mm": int(most[i]) / per_mm,
+        },
     )
     checks.tell(
-        err,
-        "zero-count",
-        (arc | straight) & (count <= 0),
-        lambda i: "J is 0",
+        Severity.ERROR, "zero-count", (f.arc | f.straight) & (f.count <= 0), "block {block}: J is 0"
     )
-    refused = wide | (count > most) | (count < 0)
-    x[refused], y[refused], count[refused] = 1, 1, 1
-    r2 = x * x + y * y
+    refused = wide | (f.count > most) | (f.count < 0)
+    f.x[refused], f.y[refused], f.count[refused] = 1, 1, 1
+
+
+def _refuse_arcs(checks: Checks, machine: Machine, f: _Fields) -> None:
+    """Report arcs that the controller does not run, and lines that it would not end."""
+    per_mm, limits = 1000.0 / machine.axes.step_um, machine.limits
+    r2 = f.x * f.x + f.y * f.y
     checks.tell(
-        err,
+        Severity.ERROR,
         "over-limit",
-        arc & (r2 > limits.arc_um**2),
-        lambda i: (
-            f"the radius is {mm(float(np.sqrt(r2[i])))}; the largest of {machine.name} is "
-            f"{mm(limits.arc_um)}"
-        ),
+        f.arc & (r2 > limits.arc_um**2),
+        "block {block}: the radius is {radius_mm:.3f} mm; the largest of {machine} is "
+        "{most_mm:.3f} mm",
+        lambda i: {
+            "radius_mm": float(np.sqrt(r2[i])) / per_mm,
+            "machine": machine.name,
+            "most_mm": limits.arc_um / per_mm,
+        },
     )
     checks.tell(
-        err,
+        Severity.ERROR,
         "arc-too-small",
-        arc & (r2 < 2),
-        lambda i: f"the arc starts {mm(abs(int(x[i] + y[i])))} from its centre and never ends",
+        f.arc & (r2 < 2),
+        "block {block}: the arc starts {radius_mm:.3f} mm from its centre and never ends",
+        lambda i: {"radius_mm": abs(int(f.x[i] + f.y[i])) / per_mm},
     )
     checks.tell(
-        err,
+        Severity.ERROR,
         "not-in-format",
-        arc & (axis != Axis.SQUARE),
-        lambda i: (
-            f"an arc counted on {'XY'[int(axis[i])]}; {machine.name} counts on the inscribed square"
-        ),
-        "convert the program with lowering",
+        f.arc & (f.axis != Axis.SQUARE),
+        "block {block}: an arc counted on {axis}; {machine} counts on the inscribed square",
+        lambda i: {"axis": "XY"[int(f.axis[i])], "machine": machine.name},
+        hint="convert the program with lowering",
     )
     checks.tell(
-        err,
+        Severity.ERROR,
         "endless-block",
-        straight & (lines.along_axis(x, y, axis) == 0),
-        lambda i: "the line has no length on its count axis and never ends",
+        f.straight & (lines.along_axis(f.x, f.y, f.axis) == 0),
+        "block {block}: the line has no length on its count axis and never ends",
     )
-    fx, fy, exact = lines.full(x, y, axis, count)
+
+
+def _write_full(checks: Checks, machine: Machine, f: _Fields) -> None:
+    """State lines in full that are a ratio, as far as the controller counts them so."""
+    per_mm, limits = 1000.0 / machine.axes.step_um, machine.limits
+    fx, fy, exact = lines.full(f.x, f.y, f.axis, f.count)
     checks.tell(
-        err,
+        Severity.ERROR,
         "not-in-format",
-        straight & ~exact,
-        lambda i: (
-            f"a line whose X and Y are a ratio that J {mm(int(count[i]))} does not make whole"
-        ),
-        "convert the program with lowering",
+        f.straight & ~exact,
+        "block {block}: a line whose X and Y are a ratio that J {count_mm:.3f} mm does not make "
+        "whole",
+        lambda i: {"count_mm": int(f.count[i]) / per_mm},
+        hint="convert the program with lowering",
     )
-    scaled = straight & exact
-    x, y = np.where(scaled, fx, x), np.where(scaled, fy, y)
-    derived, longer = compact.line_count(x, y)
-    over = scaled & (longer > limits.line_um)
+    scaled = f.straight & exact
+    f.x, f.y = np.where(scaled, fx, f.x), np.where(scaled, fy, f.y)
+    derived, longer = compact.line_count(f.x, f.y)
     checks.tell(
-        err,
+        Severity.ERROR,
         "over-limit",
-        over,
-        lambda i: (
-            f"the length is {mm(int(longer[i]))}; the largest of {machine.name} is "
-            f"{mm(limits.line_um)}"
-        ),
+        scaled & (longer > limits.line_um),
+        "block {block}: the length is {length_mm:.3f} mm; the largest of {machine} is "
+        "{most_mm:.3f} mm",
+        lambda i: {
+            "length_mm": int(longer[i]) / per_mm,
+            "machine": machine.name,
+            "most_mm": limits.line_um / per_mm,
+        },
     )
-    other = scaled & (axis != Axis.SQUARE) & (axis != derived)
-    tie = abs(x) == abs(y)
+    other = scaled & (f.axis != Axis.SQUARE) & (f.axis != derived)
+    tie = abs(f.x) == abs(f.y)
     checks.tell(
         Severity.WARNING,
         "count-axis",
         other & ~tie,
-        lambda i: (
-            "the line was counted on its shorter axis; this controller counts the longer "
-            "one, its end may move"
-        ),
+        "block {block}: the line was counted on its shorter axis; this controller counts the "
+        "longer one, its end may move",
     )
     checks.tell(
         Severity.NOTE,
         "count-axis",
         other & tie,
-        lambda i: "a 45 degree line; this controller counts it on Y, which ends exactly",
+        "block {block}: a 45 degree line; this controller counts it on Y, which ends exactly",
     )
-    return x, y, count

@@ -13,15 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.checks import Checks, mm
+from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import GAPPED, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensated
 from wedmcam.diag import Diagnostic, Severity, has_errors
-from wedmcam.formats import compensation as gap
-from wedmcam.formats import lines
+from wedmcam.formats import compensation, lines
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
 
@@ -41,7 +40,7 @@ def encode(
     outwards: bool = True,
     grown: NDArray[np.integer[Any]] | None = None,
 ) -> tuple[bytes, list[Diagnostic]]:
-    """Return the compensation data of which the controller makes this program.
+    """Return the compensation data that the controller makes this program of.
 
     Args:
         program: the offset path, blocks as for the cutting format.
@@ -60,15 +59,17 @@ def encode(
     if has_errors(found):
         return b"", found
     checks = Checks(program)
-    figure = stated(program, machine, checks, gap_um, outwards, grown, gap.MOST_GAP_UM, "compact")
+    figure = outline_of(
+        program, machine, checks, gap_um, outwards, grown, compensation.MOST_GAP_UM, "compact"
+    )
     found += checks.found
     if figure is None:
         return b"", found
-    memory = _written(figure)
+    memory = _memory_of(figure)
     return memory.data.tobytes(), [*found, *memory.too_large(machine)]
 
 
-def stated(
+def outline_of(
     program: Program,
     machine: Machine,
     checks: Checks,
@@ -78,7 +79,7 @@ def stated(
     most_um: int,
     instead: str,
 ) -> NDArray[np.void] | None:
-    """Return the outline that a file states, dtype `GAPPED`; None where it cannot, as checked.
+    """Return the outline that a file states, dtype `OUTLINE`; None where it cannot, as checked.
 
     Args:
         program: the offset path.
@@ -101,14 +102,16 @@ def stated(
         Severity.ERROR,
         "gap-value",
         np.full(len(blocks), not 0 <= gap_um <= most_um),
-        lambda i: f"a gap of {mm(gap_um)}; the controller takes up to {mm(most_um)}",
+        "block {block}: a gap of {gap_mm:.3f} mm; the controller takes up to {most_mm:.3f} mm",
+        lambda i: {"gap_mm": gap_um / 1000, "most_mm": most_um / 1000},
     )
     checks.tell(
         Severity.ERROR,
         "not-tangent",
         arc & (sign > 0) & (radius - gap_um < 1),
-        lambda i: "the wire goes round a sharp corner of the outline",
-        f"round the corners (--corner), or --to {instead}",
+        "block {block}: the wire goes round a sharp corner of the outline",
+        lambda i: {"format": instead},
+        hint="round the corners (--corner), or --to {format}",
     )
     if checks.failed:
         return None
@@ -118,17 +121,16 @@ def stated(
         Severity.ERROR,
         "not-reachable",
         lost,
-        lambda i: (
-            f"the contour cannot end where it started with a gap of {mm(gap_um)}: no line follows "
-            "its arcs to take up what scaling rounds off"
-        ),
-        f"another gap by some um, or --to {instead}",
+        "block {block}: the contour cannot end where it started with a gap of {gap_mm:.3f} mm: no "
+        "line follows its arcs to take up what scaling rounds off",
+        lambda i: {"gap_mm": gap_um / 1000, "format": instead},
+        hint="another gap by some um, or --to {format}",
     )
     return None if checks.failed else figure
 
 
 def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) -> NDArray[np.void]:
-    """Return blocks of an outline (dtype `GAPPED`) that the gap makes into ``blocks``, or nearly.
+    """Return blocks of an outline (dtype `OUTLINE`) that the gap makes into ``blocks``, or nearly.
 
     Args:
         blocks: dtype `BLOCK`.
@@ -141,7 +143,7 @@ def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) 
     straight = (blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.MOVE)
     x, y, count = (blocks[k].astype(np.int64) for k in ("x", "y", "count"))
     lx, ly, _ = lines.full(x, y, blocks["axis"], count)
-    figure = np.zeros(n, dtype=GAPPED)
+    figure = np.zeros(n, dtype=OUTLINE)
     figure["kind"], figure["turn"] = blocks["kind"], np.where(arc, blocks["turn"], 0)
     figure["axis"] = np.where(arc, blocks["axis"], 0)
     figure["grows"] = np.where(arc, grown * (1 if outwards else -1), 0)
@@ -273,11 +275,11 @@ def closed(
     return figure, lost
 
 
-def _written(figure: NDArray[np.void]) -> Memory:
+def _memory_of(figure: NDArray[np.void]) -> Memory:
     """Return the data of a figure."""
-    memory = Memory(figure["kind"], figure["turn"], figure["x"], figure["y"], gap.LENGTH)
+    memory = Memory(figure["kind"], figure["turn"], figure["x"], figure["y"], compensation.LENGTH)
     arc, straight = memory.arc, memory.straight
-    types = np.where(figure["grows"] > 0, gap.GROWS, gap.SHRINKS).astype(np.uint8)
+    types = np.where(figure["grows"] > 0, compensation.GROWS, compensation.SHRINKS).astype(np.uint8)
     memory.data[memory.at[arc] + 1] = types[arc]
     memory.put(arc, 2, 4, figure["radius"])
     memory.put(arc, 6, 4, figure["x"])

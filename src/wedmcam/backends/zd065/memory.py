@@ -74,6 +74,14 @@ class Memory:
         most = machine.limits.memory_bytes
         if not most or len(self.data) <= most:
             return []
-        parts = compact.loads(self.sizes, most)
-        text = f"{len(self.data)} bytes; the memory of {machine.name} holds {most}: {parts} loads"
-        return [warning("over-memory", text, hint="--split cuts it at thread points")]
+        return [
+            warning(
+                "over-memory",
+                "{bytes} bytes; the memory of {machine} holds {most}: {loads} loads",
+                hint="--split cuts it at thread points",
+                bytes=len(self.data),
+                machine=machine.name,
+                most=most,
+                loads=compact.loads(self.sizes, most),
+            )
+        ]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.backends.checks import Checks, mm
+from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers.zd065 import POLAR, rotated
@@ -55,20 +55,21 @@ def encode(
         Severity.ERROR,
         "over-limit",
         straight & (np.floor(length + 0.5) > 999_999),
-        lambda i: f"the line is {mm(float(length[i]))} long; the format holds 999.999 mm",
+        "block {block}: the line is {length_mm:.3f} mm long; the format holds 999.999 mm",
+        lambda i: {"length_mm": float(length[i]) / 1000},
     )
     figure, reached = polar(blocks, x, y)
     checks.tell(
         Severity.ERROR,
         "not-reachable",
         (arc | straight) & ~reached,
-        lambda i: "no angle of 8 digits and whole R give this block",
-        "--to compact holds it as it is",
+        "block {block}: no angle of 8 digits and whole R give this block",
+        hint="--to compact holds it as it is",
     )
     found += checks.found
     if checks.failed:
         return b"", found
-    memory = _written(blocks, figure, x, y)
+    memory = _memory_of(blocks, figure, x, y)
     return memory.data.tobytes(), [*found, *memory.too_large(machine)]
 
 
@@ -93,13 +94,13 @@ def polar(blocks: NDArray[np.void], x: Ints, y: Ints) -> tuple[NDArray[np.void],
             left = np.flatnonzero(~done)
             if not len(left):
                 return figure, np.ones(len(blocks), dtype=bool)
-            figure["start"][left] = _nudged(exact[left], digits)
+            figure["start"][left] = _nudge(exact[left], digits)
             figure["size"][left] = np.maximum(size[left] + radius, 1)
-            done[left] = _swept(figure, blocks, left, x, y)
+            done[left] = _find_sweeps(figure, blocks, left, x, y)
     return figure, done
 
 
-def _nudged(degrees: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
+def _nudge(degrees: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
     """Return the angles rounded to 8 digits, some units of the last digit away, 0 to 360."""
     exponent, significand = rotation.angle_fields(degrees)
     moved = np.maximum(significand + digits, 0)
@@ -108,7 +109,7 @@ def _nudged(degrees: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
     return rotation.angle_value(exponent, significand)
 
 
-def _swept(
+def _find_sweeps(
     figure: NDArray[np.void], blocks: NDArray[np.void], rows: Ints, x: Ints, y: Ints
 ) -> NDArray[np.bool_]:
     """Find the subtended angles of ``rows`` in ``figure``; return which rows come out exactly."""
@@ -146,7 +147,7 @@ def _sweep(
     return np.asarray(np.abs(end - start))
 
 
-def _written(blocks: NDArray[np.void], figure: NDArray[np.void], x: Ints, y: Ints) -> Memory:
+def _memory_of(blocks: NDArray[np.void], figure: NDArray[np.void], x: Ints, y: Ints) -> Memory:
     """Return the data of blocks whose angles and sizes are a figure's."""
     memory = Memory(blocks["kind"], blocks["turn"], x, y, rotation.LENGTH)
     arc, straight = memory.arc, memory.straight

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import GAPPED, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensated
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import compensation as gap
 from wedmcam.formats import quadrants
@@ -24,7 +24,7 @@ TORN_UM = 1.0
 
 
 def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
-    """Return the blocks of compensation data (dtype `GAPPED`), and what was found.
+    """Return the blocks of compensation data (dtype `OUTLINE`), and what was found.
 
     Blocks in error are left out. Never raises.
     """
@@ -107,7 +107,7 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
 
 def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
     s = Stream(data, gap.LENGTH, file)
-    figure = np.zeros(len(s.starts), dtype=GAPPED)
+    figure = np.zeros(len(s.starts), dtype=OUTLINE)
     figure["kind"], figure["turn"], figure["axis"] = s.kind, s.turn, Axis.SQUARE
     types = s.bytes_at(s.arc, 1)
     figure["grows"] = np.select([types == gap.GROWS, types == gap.SHRINKS], [1, -1], 0)

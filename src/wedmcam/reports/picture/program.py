@@ -20,7 +20,7 @@ from wedmcam.ir.program import Axis, Kind, Program, Role
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.ir.understanding import Understanding
 from wedmcam.programs.stretches import stretches
-from wedmcam.reports.picture.sheet import INK, Box, Sheet, number, union, words
+from wedmcam.reports.picture.sheet import INK, NO_CAPTION, Box, Caption, Sheet, number, union, words
 from wedmcam.reports.picture.threads import TICK_EVERY, draw_threads, kept_ticks
 
 Floats = NDArray[np.float64]
@@ -196,8 +196,7 @@ def plot(
     *,
     plan: Plan | None = None,
     known: Understanding | None = None,
-    title: str = "",
-    facts: Mapping[str, str] | None = None,
+    caption: Caption = NO_CAPTION,
     marks: Sequence[Diagnostic] = (),
     kerf: bool = True,
 ) -> str:
@@ -214,23 +213,22 @@ def plot(
         ends: where each block ends on the interpolator, likewise.
         plan: adds outlines, kept material and kerf.
         known: what was understood of the plan; adds it to the thread points.
-        title: printed large; the file's name.
-        facts: printed in the title block in their order, name -> value.
+        caption: what the title block says; offset and side of the plan are added.
         marks: findings whose ``points_mm`` are ringed.
         kerf: shade what the wire removes, 2 x offset wide.
     """
     blocks = program.blocks
     assert starts.shape == ends.shape == (len(blocks), 2)
     segments = _of_blocks(blocks, starts, ends, program.step_um)
-    told = dict(facts or {})
+    facts = dict(caption.facts)
     if plan is not None:
-        told.setdefault("offset", plan.offsets_text)
-        told.setdefault("side", str(plan.side))
+        facts.setdefault("offset", plan.offsets_text)
+        facts.setdefault("side", str(plan.side))
 
     cuts = _cut_numbers(program, starts, ends)
     threads = _threads(program, starts, cuts)
     box = _extents(segments, plan, [place for place, _ in threads], marks)
-    sheet = Sheet(box, title, len(told))
+    sheet = Sheet(box, caption.title, len(facts))
     legend: list[tuple[str, str]] = []
     part: Box | None = None
     if plan is not None and plan.outlines:
@@ -241,7 +239,8 @@ def plot(
             legend += _part(sheet, held, Side.PART, box)
             more = _part(sheet, [c for c in plan.outlines if c not in held], None, box)
             more += _ticks(sheet, plan)
-            legend += [entry for entry in more if entry[1] not in [told for _, told in legend]]
+            there = {meaning for _, meaning in legend}
+            legend += [entry for entry in more if entry[1] not in there]
         else:
             kept = plan.side if plan.side in (Side.PART, Side.DIE) else None
             legend += _part(sheet, plan.outlines, kept, box)
@@ -253,13 +252,13 @@ def plot(
     if part is not None:
         sheet.dimension(part, box)
     wire.ink(sheet)
-    said = {} if known is None else {row.thread.at: row for row in known.rows}
+    rows = {} if known is None else {row.thread.at: row for row in known.rows}
     crosses = []
     for (x, y), name in threads:
-        told_of = f"thread point of cut {name} at ({x / 1000:.3f}, {y / 1000:.3f}) mm"
-        if (row := said.get((x, y))) is not None:
-            told_of += f"; {row.thread.origin}; {row.text.partition(': ')[2]}"
-        crosses.append((x / 1000, y / 1000, f"T{name}", told_of))
+        tip = f"thread point of cut {name} at ({x / 1000:.3f}, {y / 1000:.3f}) mm"
+        if (row := rows.get((x, y))) is not None:
+            tip += f"; {row.thread.origin}; {row.text.partition(': ')[2]}"
+        crosses.append((x / 1000, y / 1000, f"T{name}", tip))
     legend += draw_threads(sheet, crosses, "START")
     legend += wire.pauses(sheet)
     wire.arrows(sheet)
@@ -267,7 +266,7 @@ def plot(
     wire.labels(sheet, {n: keeps.get(place) for place, n in threads})
     _mark(sheet, marks)
     description = f"Wire path of {len(wire.cutting)} cutting blocks, coordinates in mm"
-    return sheet.print(description, told, legend)
+    return sheet.print(description, facts, legend)
 
 
 def _cut_numbers(program: Program, starts: Places, ends: Places) -> Ints:
@@ -331,7 +330,7 @@ def _part(
             left, low = number(box[0] - air), number(box[1] - air)
             right, high = number(box[2] + air), number(box[3] + air)
             around = f"M{left} {low}H{right}V{high}H{left}Z"
-        # One path is both hatched and outlined, unless the hatching has an edge nobody drew.
+        # One path is both hatched and outlined, unless the hatching has an edge that was not drawn.
         both = "" if around else f" {lines}"
         sheet.draw(
             f'<path id="kept-material" d="{around}{closed}" fill="url(#kept)" {_EVENODD}{both}/>'
@@ -558,7 +557,7 @@ class _Wire:
         for k, (i, u, v) in enumerate(taken):
             if i in always or k % stride == 0:
                 colour = MOVE if self.kind[i] == Kind.MOVE else INK
-                sheet.text(u, v, str(i + 1), size=9, colour=colour)
+                sheet.text((u, v), str(i + 1), size=9, colour=colour)
 
 
 def _arrow(at: tuple[float, float], heading: float) -> str:
@@ -648,7 +647,7 @@ def plot_contours(
             at = (u - sign * 10 * math.sin(heading), v - sign * 10 * math.cos(heading))
             label = sheet.label_box(*at, str(n), 11)
             if sheet.inside(label) and sheet.claim(label):
-                sheet.text(*at, str(n), size=11, bold=True)
+                sheet.text(at, str(n), size=11, bold=True)
                 break
     _mark(sheet, marks)
     return sheet.print(f"{len(contours)} contours, coordinates in mm", told, legend)

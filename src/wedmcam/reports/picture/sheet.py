@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from xml.sax.saxutils import escape
 
 from wedmcam.diag import visible
@@ -60,6 +61,23 @@ def nice(least: float) -> float:
     """
     decade = 10.0 ** math.floor(math.log10(least))
     return next(m * decade for m in (1.0, 2.0, 5.0, 10.0) if m * decade >= least * (1 - 1e-9))
+
+
+@dataclass(frozen=True, slots=True)
+class Caption:
+    """What the title block says.
+
+    Attributes:
+        title: printed large; the file's name.
+        facts: printed in their order, name -> value.
+    """
+
+    title: str = ""
+    facts: Mapping[str, str] = field(default_factory=dict)
+
+
+#: A title block without words.
+NO_CAPTION = Caption()
 
 
 class Sheet:
@@ -139,8 +157,7 @@ class Sheet:
 
     def text(
         self,
-        x: float,
-        y: float,
+        at: Point,
         content: str,
         *,
         size: float = 10.0,
@@ -150,7 +167,8 @@ class Sheet:
         turn: float = 0.0,
         halo: bool = True,
     ) -> None:
-        """Add a line of text whose middle height is at y; ``halo`` keeps lines off it."""
+        """Add a line of text whose middle height is at ``at``; ``halo`` keeps lines off it."""
+        x, y = at
         attributes = f'x="{number(x, 2)}" y="{number(y + 0.36 * size, 2)}"'
         attributes += f' font-size="{number(size)}" fill="{colour}" text-anchor="{anchor}"'
         if bold:
@@ -239,16 +257,16 @@ class Sheet:
         wide, tall = (half, size / 2 + 1) if abs(ux) > abs(uy) else (size / 2 + 1, half)
         x, y = middle
         self.claim((x - wide, y - tall, x + wide, y + tall), force=True)
-        self.text(x, y, content, size=size, turn=0.0 if abs(ux) > abs(uy) else -90.0)
+        self.text(middle, content, size=size, turn=0.0 if abs(ux) > abs(uy) else -90.0)
 
-    def mark(self, x_mm: float, y_mm: float, name: str, colour: str, told: str) -> None:
+    def mark(self, x_mm: float, y_mm: float, name: str, colour: str, text: str) -> None:
         """Add a numbered ring about a place that a finding points to."""
         x, y = self.at(x_mm, y_mm)
         self.symbol(
             f'<circle cx="{number(x, 2)}" cy="{number(y, 2)}" r="9" fill="none" '
-            f'stroke="{colour}" stroke-width="2"><title>{words(told)}</title></circle>'
+            f'stroke="{colour}" stroke-width="2"><title>{words(text)}</title></circle>'
         )
-        self.text(x + 13, y - 11, name, size=11, colour=colour, bold=True, anchor="start")
+        self.text((x + 13, y - 11), name, size=11, colour=colour, bold=True, anchor="start")
 
     # --- printing ------------------------------------------------------------------------------
 

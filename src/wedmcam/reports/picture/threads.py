@@ -80,9 +80,9 @@ def _named(sheet: Sheet, at: Point, name: str, before: str) -> bool:
                 sheet.symbol(_leader(at, (u, v), half))
             if before:
                 left = u - half + ADVANCE * SIZE * len(before) / 2
-                sheet.text(left, v, before, size=SIZE, bold=True)
+                sheet.text((left, v), before, size=SIZE, bold=True)
                 u += half - ADVANCE * SIZE * len(name) / 2
-            sheet.text(u, v, name, size=SIZE, bold=True)
+            sheet.text((u, v), name, size=SIZE, bold=True)
             return True
     return False
 

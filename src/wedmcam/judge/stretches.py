@@ -1,16 +1,16 @@
-"""A decoded program parted into runs: cutting blocks with nothing between them.
+"""A decoded program parted into stretches: cutting blocks with nothing between them.
 
-A program knows no roles and no cut numbers, only blocks and control records; which run is which
-cut follows from the order and from where the wire is threaded.
+A program knows no roles and no cut numbers, only blocks and control records; which stretch is
+which cut follows from the order and from where the wire is threaded.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.diag import Diagnostic, Place, Span, error
 from wedmcam.ir.plan import Cut
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.segments import Ints
@@ -20,23 +20,25 @@ from wedmcam.judge.walk import Walk
 SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B says of which"
 
 
-class Run(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
     """Cutting blocks without a control record or a move between them.
 
     Attributes:
         index: rows of the program, in order.
         start: where the wire is before the first, um.
         end: where it is after the last.
-        joined: the run before ends in a pause only, so this may go on with the same contour.
+        joined: the stretch before ends in a pause only, so this may go on with the same contour.
     """
 
-    index: Ints  # type: ignore[assignment]
+    index: Ints
     start: tuple[int, int]
     end: tuple[int, int]
     joined: bool
 
 
-class Assigned(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Assigned:
     """The blocks of one cut.
 
     Attributes:
@@ -48,7 +50,7 @@ class Assigned(NamedTuple):
     """
 
     cut: int
-    index: Ints  # type: ignore[assignment]
+    index: Ints
     pauses: tuple[int, ...]
     closing: int = -1
 
@@ -58,18 +60,13 @@ def per_mm(program: Program) -> float:
     return 1000.0 / program.step_um
 
 
-def mm(x: float, y: float, per: float = 1000.0) -> str:
-    """Return a place for a message, from steps of which ``per`` go to a mm; never -0.
+def place(x: float, y: float, per: float = 1000.0) -> Place:
+    """Return a place for a finding, from coordinates in steps; ``per`` steps are a mm.
 
-    >>> mm(-0.4, 12500)
-    '(0.000, 12.500)'
+    >>> str(place(-0.4, 12500))
+    '(0.000, 12.500) mm'
     """
-    return f"({_plain(x / per)}, {_plain(y / per)})"
-
-
-def _plain(value: float) -> str:
-    text = f"{value:.3f}"
-    return text[1:] if text.lstrip("-0.") == "" and text.startswith("-") else text
+    return Place(float(x / per), float(y / per))
 
 
 def span_of(program: Program, row: int) -> Span | None:
@@ -80,13 +77,13 @@ def span_of(program: Program, row: int) -> Span | None:
     return program.sources[source] if 0 <= source < len(program.sources) else None
 
 
-def runs(walk: Walk) -> list[Run]:
+def stretches(walk: Walk) -> list[Stretch]:
     """Part the program. Unknown words do not part it; blocks without a step are left out."""
     kind = walk.blocks["kind"]
     control = ~walk.cutting & (kind != Kind.WORD)
     group = np.cumsum(control)
     rows = np.flatnonzero(walk.cutting & (walk.steps > 0))
-    found: list[Run] = []
+    found: list[Stretch] = []
     if not len(rows):
         return found
     edges = np.flatnonzero(np.diff(group[rows])) + 1
@@ -98,21 +95,25 @@ def runs(walk: Walk) -> list[Run]:
             between = between[(between != Kind.WORD) & (between != Kind.LINE)]
             joined = bool((between == Kind.PAUSE).all())
         start, end = walk.start[first], walk.end[last]
-        found.append(Run(part, (int(start[0]), int(start[1])), (int(end[0]), int(end[1])), joined))
+        found.append(
+            Stretch(part, (int(start[0]), int(start[1])), (int(end[0]), int(end[1])), joined)
+        )
     return found
 
 
 def assign(
-    program: Program, found: list[Run], cuts: tuple[Cut, ...]
+    program: Program, found: list[Stretch], cuts: tuple[Cut, ...]
 ) -> tuple[list[Assigned], list[Diagnostic]]:
-    """Give each planned cut its runs, in the plan's order; report what is too many or too few."""
+    """Give each planned cut its stretches, in the plan's order; report too many and too few."""
     out: list[Assigned] = []
     findings: list[Diagnostic] = []
     r = c = 0
     while r < len(found) and c < len(cuts):
-        run, cut = found[r], cuts[c]
-        if run.start != cut.thread:
-            later = next((k for k in range(c + 1, len(cuts)) if cuts[k].thread == run.start), None)
+        stretch, cut = found[r], cuts[c]
+        if stretch.start != cut.thread:
+            later = next(
+                (k for k in range(c + 1, len(cuts)) if cuts[k].thread == stretch.start), None
+            )
             ahead = next(
                 (k for k in range(r + 1, len(found)) if found[k].start == cut.thread), None
             )
@@ -124,9 +125,9 @@ def assign(
                 findings.extend(_extra(program, found[k]) for k in range(r, ahead))
                 r = ahead
                 continue
-            findings.append(_thread(program, run, cut, c))
+            findings.append(_thread(program, stretch, cut, c))
         pauses: list[int] = []
-        index, end = [run.index], run.end
+        index, end = [stretch.index], stretch.end
         r += 1
         while (
             r < len(found)
@@ -145,50 +146,55 @@ def assign(
 
 
 def _goes_on(
-    cut: Cut, end: tuple[int, int], paused: int, run: Run, cuts: tuple[Cut, ...], c: int
+    cut: Cut, end: tuple[int, int], paused: int, stretch: Stretch, cuts: tuple[Cut, ...], c: int
 ) -> bool:
-    """Return whether a run after a pause goes on with the same cut."""
+    """Return whether a stretch after a pause goes on with the same cut."""
     if cut.path.closed:
         return end != cut.thread
     if cut.stop_um > 0 and not paused:
         return True
-    return c + 1 >= len(cuts) or cuts[c + 1].thread != run.start
+    return c + 1 >= len(cuts) or cuts[c + 1].thread != stretch.start
 
 
 def _missing(program: Program, cut: Cut, number: int) -> Diagnostic:
-    per = per_mm(program)
-    x, y = cut.thread
+    thread = place(*cut.thread, per_mm(program))
     return error(
         "missing-cut",
-        f"cut {number + 1} (threaded at {mm(x, y, per)} mm) is not in the program",
+        "cut {cut} (threaded at {thread}) is not in the program",
         hint=SOME_CONTOURS,
-        points_mm=((x / per, y / per),),
+        points_mm=(thread,),
+        cut=number + 1,
+        thread=thread,
     )
 
 
-def _extra(program: Program, run: Run) -> Diagnostic:
-    per = per_mm(program)
-    first = int(run.index[0])
-    x, y = run.start
+def _extra(program: Program, stretch: Stretch) -> Diagnostic:
+    first = int(stretch.index[0])
+    start = place(*stretch.start, per_mm(program))
     return error(
         "extra-cut",
-        f"blocks {first + 1} to {int(run.index[-1]) + 1} cut from {mm(x, y, per)} mm on; no "
-        "contour is left for them",
+        "blocks {first} to {last} cut from {start} on; no contour is left for them",
         span_of(program, first),
         hint=SOME_CONTOURS,
-        points_mm=((x / per, y / per),),
+        points_mm=(start,),
+        first=first + 1,
+        last=int(stretch.index[-1]) + 1,
+        start=start,
     )
 
 
-def _thread(program: Program, run: Run, cut: Cut, number: int) -> Diagnostic:
+def _thread(program: Program, stretch: Stretch, cut: Cut, number: int) -> Diagnostic:
     per = per_mm(program)
-    first = int(run.index[0])
-    (x, y), (tx, ty) = run.start, cut.thread
-    off = np.hypot(x - tx, y - ty) / per
+    first = int(stretch.index[0])
+    start = place(*stretch.start, per)
     return error(
         "thread-point",
-        f"block {first + 1} starts cut {number + 1} at {mm(x, y, per)} mm, {off:.3f} mm from its "
-        f"thread point {mm(tx, ty, per)} mm",
+        "block {block} starts cut {cut} at {start}, {off_mm:.3f} mm from its thread point {thread}",
         span_of(program, first),
-        points_mm=((x / per, y / per),),
+        points_mm=(start,),
+        block=first + 1,
+        cut=number + 1,
+        start=start,
+        off_mm=np.hypot(stretch.start[0] - cut.thread[0], stretch.start[1] - cut.thread[1]) / per,
+        thread=place(*cut.thread, per),
     )

@@ -96,7 +96,7 @@ def _said(why: BaseException) -> int:
     """Say what stopped the program, and return its exit status."""
     import click
 
-    from wedmcam.cli.say import say_error
+    from wedmcam.cli.terminal import print_error
     from wedmcam.options import WrongUse
 
     if isinstance(why, click.exceptions.Exit):
@@ -110,23 +110,23 @@ def _said(why: BaseException) -> int:
     if isinstance(why, click.UsageError):
         path = why.ctx.command_path if why.ctx else "wedmcam"
         message = why.format_message().rstrip(".")
-        say_error(message[:1].lower() + message[1:], f"{path} --help")
+        print_error(message[:1].lower() + message[1:], f"{path} --help")
         return why.exit_code
     if isinstance(why, click.ClickException):
         why.show()
         return why.exit_code
     if isinstance(why, WrongUse):
-        say_error(str(why))
+        print_error(str(why))
         return 2
     if isinstance(why, OSError):
-        say_error(f"{why.filename or 'standard output'}: {why.strerror or why}")
+        print_error(f"{why.filename or 'standard output'}: {why.strerror or why}")
         return 1
     if isinstance(why, MemoryError):
-        say_error("the memory of this machine does not hold what this input needs")
+        print_error("the memory of this machine does not hold what this input needs")
         return 1
     if os.environ.get("WEDMCAM_DEBUG"):
         raise why
-    say_error(
+    print_error(
         f"internal error: {type(why).__name__}: {why}\nthis is a bug of wedmcam: please report it "
         "with the input (WEDMCAM_DEBUG=1 shows where it happened)"
     )

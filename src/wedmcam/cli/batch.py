@@ -23,7 +23,7 @@ import click
 
 from wedmcam.cli.files import Failed, read_input, remove_unfinished, write_outputs
 from wedmcam.cli.progress import Bar
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 from wedmcam.diag import json_text, visible
 from wedmcam.options import SUFFIX_OF_FORMAT, WrongUse
 
@@ -166,7 +166,8 @@ def how(asked: dict[str, Any]) -> How:
 def make(item: Item, force_units: bool) -> Outcome:
     """Compile one drawing and write its program; never raises for what is in the drawing."""
     from wedmcam import api
-    from wedmcam.cli.say import coloured, with_time
+    from wedmcam.cli.report import with_time
+    from wedmcam.cli.terminal import coloured
     from wedmcam.diag import Severity
     from wedmcam.diag.render import merged, render
 
@@ -345,13 +346,13 @@ def run(
             if text:
                 click.echo(text, err=True)
             if json_:
-                tell(json_text(outcome.record))
+                print_text(json_text(outcome.record))
             bar.step()
     finally:
         bar.clear()
     for (severity, code), count in sorted(codes.items()):
-        tell(f"  {count:6d} {severity}[{code}]", err=True)
-    tell(f"batch: {counts[0]} ok, {len(failed)} failed", err=True)
+        print_text(f"  {count:6d} {severity}[{code}]", err=True)
+    print_text(f"batch: {counts[0]} ok, {len(failed)} failed", err=True)
     for name in failed:
-        tell(f"  failed: {name}", err=True)
+        print_text(f"  failed: {name}", err=True)
     return max(counts, default=0)

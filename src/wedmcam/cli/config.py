@@ -13,7 +13,7 @@ import click
 
 from wedmcam.cli import settings
 from wedmcam.cli.settings import COMMANDS, META, Configured, InForce
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 
 def config_command(group: click.Group) -> Configured:
@@ -39,25 +39,27 @@ def config_command(group: click.Group) -> Configured:
 
 
 def _config(**_: Any) -> int:
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
 
     ctx = click.get_current_context()
     made: InForce = ctx.meta[META]
     rows = list(_rows(ctx, made))
     if made.params["json_"]:
-        say.say_json(_data(rows, made))
+        terminal.print_json(_data(rows, made))
         return 0
     for file in made.files:
-        tell(f"# {file.name}")
+        print_text(f"# {file.name}")
     if not made.files:
         folders = settings.places(settings.folder_of(ctx.params.get("input_")))
-        tell(f"# no {settings.NAME} in {folders[0].parent} or above, or in {folders[-1].parent}")
+        print_text(
+            f"# no {settings.NAME} in {folders[0].parent} or above, or in {folders[-1].parent}"
+        )
     width = max(len(_text(row["value"])) for row in rows)
     for row in rows:
-        tell(f"{row['key']:16} {_text(row['value']):{width}}  {_origin(row)}")
+        print_text(f"{row['key']:16} {_text(row['value']):{width}}  {_origin(row)}")
     for setting, why in made.aside:
         place = f"{setting.span.file}:{setting.span.line}"
-        tell(f"# not in force: {setting.key} of {place}: {why}")
+        print_text(f"# not in force: {setting.key} of {place}: {why}")
     return 0
 
 

@@ -13,7 +13,7 @@ from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.lengths import DEGREES, length
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_for
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 
 @click.command("convert", cls=ReadsPrograms)
@@ -66,7 +66,7 @@ def convert_command(
     status: 0 done, 1 the program cannot be read or the other format cannot state it, 3 the paths
     differ.
     """
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.operations import convert as conversion
     from wedmcam.targets import Entries, target_of
 
@@ -101,20 +101,20 @@ def convert_command(
             feed_um=feed_um,
             **ask.said_of(asked),
         )
-    say.say_findings(made.findings, name, quiet)
+    terminal.print_findings(made.findings, name, quiet)
     if made.data is None:
         if Path(output).exists() and output != "-":
-            tell(f"nothing was written; {output} is as it was", err=True)
+            print_text(f"nothing was written; {output} is as it was", err=True)
         else:
-            tell("nothing was written", err=True)
+            print_text("nothing was written", err=True)
     else:
         write_outputs([(output, made.data)])
         if not quiet:
             as_set = machine_in is not None and not (profile_in or format_)
             read_as = f"; read as {made.machine_in.name}" if as_set else ""
-            tell(_line(made, output, target) + read_as, err=True)
+            print_text(_line(made, output, target) + read_as, err=True)
     if json_:
-        say.say_json(_summary(made, program, output, target))
+        terminal.print_json(_summary(made, program, output, target))
     return made.status
 
 

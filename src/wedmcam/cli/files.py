@@ -61,9 +61,9 @@ class Failed(click.ClickException):
 
     def show(self, file: object = None) -> None:
         """Print the message."""
-        from wedmcam.cli.say import say_error
+        from wedmcam.cli.terminal import print_error
 
-        say_error(self.message)
+        print_error(self.message)
 
 
 class Unreadable(Failed):

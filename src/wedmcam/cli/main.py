@@ -23,11 +23,11 @@ from wedmcam.cli.files import (
 )
 from wedmcam.cli.lengths import POINT, length
 from wedmcam.cli.observer import Observer, dump_option
-from wedmcam.cli.pictures import check_picture, picture, say_nothing_written, write_refused
+from wedmcam.cli.pictures import check_picture, picture, print_nothing_written, write_refused
 from wedmcam.cli.profiles import profile_group
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import Configured, ReadsPrograms, also_read, machine_for, typed
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 if TYPE_CHECKING:
     from wedmcam.diag import Diagnostic
@@ -138,7 +138,7 @@ def compile_command(
         drawn = plot_ is not None and write_refused(
             made, Path(_name(input_)).name, plot_, _name(input_)
         )
-        say_nothing_written(output, drawn)
+        print_nothing_written(output, drawn)
         return int(made.status)
     assert made.data is not None
     from wedmcam.targets import target_of
@@ -146,15 +146,15 @@ def compile_command(
     if output == "-" and not target_of(machine).is_text and not drawn and sys.stdout.isatty():
         raise click.UsageError("a binary program is not for a terminal: give -o FILE")
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import report, terminal
 
     files = [(output, api.path_drawing(made.program, machine) if drawn else made.data)]
     if certificate is not None:
-        files.append((certificate, say.certificate_bytes(made.summary)))
+        files.append((certificate, report.certificate_bytes(made.summary)))
     if plot_ is not None:
         files.append((plot_, picture(made, Path(output).name, plot_)))
     if map_ is not None:
-        files.append((map_, say.map_bytes(api.source_map(made))))
+        files.append((map_, report.map_bytes(api.source_map(made))))
     if sheet is not None:
         from wedmcam.reports.setup_sheet import written
 
@@ -163,11 +163,11 @@ def compile_command(
         files.append((sheet, written(made, Path(output).name, sheet, feed, **more)))
     write_outputs(files)
     if not asked["quiet"]:
-        say.say_report(made, output, asked["verbose"])
-        say.say_arithmetic(apart)
-        say.say_time(made.summary, feed)
+        report.print_report(made, output, asked["verbose"])
+        report.print_arithmetic(apart)
+        report.print_time(made.summary, feed)
     if asked["json_"]:
-        say.say_json({**say.with_time(made.summary, feed), **apart})
+        terminal.print_json({**report.with_time(made.summary, feed), **apart})
     return 0
 
 
@@ -187,7 +187,7 @@ def check_command(
     input_: str, to: str | None, plot_: str | None, dump_after: tuple[str, ...], **asked: Any
 ) -> int:
     """Everything but writing a program."""
-    from wedmcam.cli import say
+    from wedmcam.cli import report, terminal
 
     if dump_after and asked["json_"]:
         raise click.UsageError("--dump-after takes standard output: not with --json")
@@ -205,11 +205,11 @@ def check_command(
             write_refused(made, title, plot_, _name(input_))
     feed = ask.feed_of(asked)
     if made.ok and not asked["quiet"]:
-        say.say_report(made, "(not written)", asked["verbose"])
-        say.say_arithmetic(apart)
-        say.say_time(made.summary, feed)
+        report.print_report(made, "(not written)", asked["verbose"])
+        report.print_arithmetic(apart)
+        report.print_time(made.summary, feed)
     if asked["json_"]:
-        say.say_json({**say.with_time(made.summary, feed), **apart})
+        terminal.print_json({**report.with_time(made.summary, feed), **apart})
     return int(made.status)
 
 
@@ -218,7 +218,7 @@ def _compiled(
 ) -> tuple[Any, dict[str, Any]]:
     """Compile and print the findings; with what --json adds of the other arithmetic."""
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
 
     ask.check_source(input_, asked["from_"])
     options = ask.options_of(asked)
@@ -233,13 +233,13 @@ def _compiled(
             options=options,
             observe=observer,
         )
-    observer.tell_stages(machine)
+    observer.print_stages(machine)
     texts: dict[str, str | bytes] = {_name(input_): data, **options.texts}
-    say.say_findings(made.findings, _name(input_), asked["quiet"], texts)
+    terminal.print_findings(made.findings, _name(input_), asked["quiet"], texts)
     if asked["verbose"]:
-        observer.tell_times()
+        observer.print_times()
     if not made.ok and asked["json_"] and output:
-        say.say_json(made.summary)
+        terminal.print_json(made.summary)
     apart = {}
     if made.ok and (asked["json_"] or options.arithmetic == "float64"):
         apart["arithmetic_difference_um"] = api.arithmetic_difference(made, data)
@@ -335,7 +335,7 @@ def verify_command(
 ) -> int:
     """Decode a program, run it on the controller's interpolator, compare it with the drawing."""
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import report, terminal
 
     feed = ask.feed_of(asked)
     issued = _issued(certificate)
@@ -377,20 +377,20 @@ def verify_command(
     texts: dict[str, str | bytes] = (
         {} if against is None or drawing is None else {against: drawing, **options.texts}
     )
-    say.say_findings(proof.findings, _name(program), asked["quiet"], texts)
+    terminal.print_findings(proof.findings, _name(program), asked["quiet"], texts)
     files = []
     if certificate is not None and issued is None and proof.ok:
-        files.append((certificate, say.certificate_bytes(proof.summary)))
+        files.append((certificate, report.certificate_bytes(proof.summary)))
     if plot_ is not None and proof.program is not None:
         files.append((plot_, picture(proof, Path(program).name, plot_)))
     write_outputs(files)
     if plot_ is not None and proof.program is None:
         write_refused(proof, Path(program).name, plot_, _name(program))
     if asked["json_"]:
-        say.say_json(say.with_time(proof.summary, feed))
+        terminal.print_json(report.with_time(proof.summary, feed))
     elif not asked["quiet"]:
-        _say_proof(proof, asked["verbose"])
-        say.say_time(proof.summary, feed)
+        _print_proof(proof, asked["verbose"])
+        report.print_time(proof.summary, feed)
     return proof.status
 
 
@@ -428,36 +428,36 @@ def _drawing_of(issued: dict[str, Any], certificate: str) -> str:
     )
 
 
-def _say_proof(proof: Any, verbose: bool) -> None:
-    from wedmcam.cli import say
+def _print_proof(proof: Any, verbose: bool) -> None:
+    from wedmcam.cli import report
 
     if proof.verdict is not None:
         v = proof.verdict
-        tell(
+        print_text(
             f"contours   {v.contours}, {v.blocks} blocks, {v.steps} steps, {v.path_mm:.3f} mm, "
             f"starts at ({v.origin_um[0] / 1000:.3f}, {v.origin_um[1] / 1000:.3f}) mm",
             err=True,
         )
         if proof.understood is not None:
-            for line in say.understood_lines(proof.understood, verbose):
-                tell(line, err=True)
-            tell(say.counts_line(proof.understood), err=True)
-        tell(say.proof_line(proof), err=True)
+            for line in report.understood_lines(proof.understood, verbose):
+                print_text(line, err=True)
+            print_text(report.counts_line(proof.understood), err=True)
+        print_text(report.proof_line(proof), err=True)
         if verbose:
             t = v.table
-            tell("block    cut        ends at (mm)   error um     right      left", err=True)
+            print_text("block    cut        ends at (mm)   error um     right      left", err=True)
             for k in range(len(t.block)):
                 x, y = t.stepped[k] / 1000
-                tell(
+                print_text(
                     f"{t.block[k]:5d} {t.cut[k]:6d} {x:10.3f} {y:10.3f} {t.error[k]:8.2f} "
                     f"{t.low[k]:9.2f} {t.high[k]:9.2f}",
                     err=True,
                 )
         for image in proof.summary.get("metamorphic", ()):
             off = "-" if image["deviation_um"] is None else f"{image['deviation_um']:.2f} um"
-            tell(f"image      {image['name']}: {off} {image['why']}".rstrip(), err=True)
+            print_text(f"image      {image['name']}: {off} {image['why']}".rstrip(), err=True)
     elif proof.program is not None and proof.ok:
-        say.say_figures(proof)
+        report.print_figures(proof)
 
 
 @cli.command("diff", cls=ReadsPrograms, short_help="Compare two programs as step paths.")
@@ -491,7 +491,7 @@ def diff_command(
     count. Where the programs start does not.
     """
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import report, terminal
 
     machines = (
         _machine_of_either(a, profile, profile_in, "--profile"),
@@ -512,14 +512,14 @@ def diff_command(
             **ask.said_of(asked),
         )
     if found is None:
-        say.say_findings(said, a)
+        terminal.print_findings(said, a)
         return 2
     if not quiet:
-        say.say_findings([d for d in said if d.code in ("no-gap", "iso-stated")], a)
+        terminal.print_findings([d for d in said if d.code in ("no-gap", "iso-stated")], a)
     if json_:
-        say.say_json(api.difference_data(found, a, b))
+        terminal.print_json(api.difference_data(found, a, b))
     elif not quiet:
-        say.say_difference(found, a, b)
+        report.print_difference(found, a, b)
     return 0 if found.equal else 1
 
 
@@ -563,8 +563,8 @@ def _machine_of_either(
 def inspect_command(input_: str, **asked: Any) -> int:
     """What the reader saw: units, size, entities, contours, gaps, the largest offset that fits."""
     from wedmcam import api
-    from wedmcam.cli import say
-    from wedmcam.cli.tables import say_inspection
+    from wedmcam.cli import terminal
+    from wedmcam.cli.tables import print_inspection
     from wedmcam.ir.plan import Side
     from wedmcam.options import FILTERS, Options
 
@@ -589,11 +589,11 @@ def inspect_command(input_: str, **asked: Any) -> int:
     with waiting(f"inspecting {_name(input_)}"):
         seen = api.inspect(data, name=_name(input_), options=options)
     texts: dict[str, str | bytes] = {_name(input_): data, **options.texts}
-    say.say_findings(seen.findings, _name(input_), asked["quiet"], texts)
+    terminal.print_findings(seen.findings, _name(input_), asked["quiet"], texts)
     if asked["json_"]:
-        say.say_json(seen.facts)
+        terminal.print_json(seen.facts)
     elif seen.drawn is not None:
-        say_inspection(seen.facts, asked["verbose"])
+        print_inspection(seen.facts, asked["verbose"])
     return seen.status
 
 
@@ -619,7 +619,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
     with the places marked.
     """
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.options import FORMAT_OF_SUFFIX, Options
 
     check_outputs([input_, *also_read(click.get_current_context())], [output])
@@ -652,7 +652,7 @@ def plot_command(input_: str, output: str, contours: bool, **asked: Any) -> int:
         else:
             made = api.compile(data, profile=machine, name=name, options=options)
     texts: dict[str, str | bytes] = {} if is_program else {name: data, **options.texts}
-    say.say_findings(made.findings, name, asked["quiet"], texts)
+    terminal.print_findings(made.findings, name, asked["quiet"], texts)
     if made.status:
         if shown:
             write_refused(made, Path(name).name, output, name)
@@ -679,23 +679,23 @@ def _is_program(data: bytes) -> bool:
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 def identify_command(file: str, json_: bool) -> int:
     """Which format a file is in."""
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.cli.tables import identification
     from wedmcam.frontends.identify import identify
 
     data = read_input(file)
     seen = identify(data)
     found = _unsaid(data, file) if seen.format == "iso" else []
-    say.say_findings(found, file)
+    terminal.print_findings(found, file)
     if json_:
         from wedmcam.judge.certificate import finding_data
 
         unsaid = [finding_data(d) for d in found]
-        say.say_json({"file": file, **identification(seen), "diagnostics": unsaid})
+        terminal.print_json({"file": file, **identification(seen), "diagnostics": unsaid})
     else:
         from wedmcam.cli.tables import memory_of
 
-        tell(f"{file}: {seen.reason}{memory_of(seen)}")
+        print_text(f"{file}: {seen.reason}{memory_of(seen)}")
     return 1 if seen.format in ("unknown", "empty") else 0
 
 
@@ -731,7 +731,7 @@ def dump_command(
 ) -> int:
     """The blocks of a program, with their addresses and where they end."""
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.cli.tables import dump_lines, dump_rows
     from wedmcam.diag import has_errors
     from wedmcam.frontends import stated
@@ -748,17 +748,19 @@ def dump_command(
         shown=True,
         **ask.said_of(asked),
     )
-    say.say_findings(found, _name(file))
+    terminal.print_findings(found, _name(file))
     if program is None:
         return 1
     said = stated(data, used)
     if json_:
         rows = dump_rows(program, used)
-        say.say_json([{**r, "stated": said[r["where"]]} if r["where"] in said else r for r in rows])
+        terminal.print_json(
+            [{**r, "stated": said[r["where"]]} if r["where"] in said else r for r in rows]
+        )
     else:
         for line in dump_lines(program, used):
             more = said.get((line[7:].split() or [""])[0], "")
-            tell(f"{line}   {more}" if more else line)
+            print_text(f"{line}   {more}" if more else line)
     return 1 if has_errors(found) else 0
 
 
@@ -782,7 +784,7 @@ def explain_command(
     from wedmcam.cli.explain import explained, listed, unknown
 
     if list_:
-        tell(listed())
+        print_text(listed())
         return 0
     if what is None:
         raise click.UsageError("give a CODE, FILE --block N, or --list")
@@ -791,7 +793,7 @@ def explain_command(
     text = explained(what)
     if text is None:
         raise click.UsageError(unknown(what))
-    tell(text)
+    print_text(text)
     return 0
 
 
@@ -803,7 +805,7 @@ def _explain_block(
     said: dict[str, str],
 ) -> int:
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.frontends.iso.dialect import QUESTIONS
     from wedmcam.reports.block import explain_block
     from wedmcam.targets import Entries
@@ -814,14 +816,14 @@ def _explain_block(
         data, profile=machine, name=_name(file), entered=Entries(d=d), shown=True, **said
     )
     if program is None:
-        say.say_findings(found, _name(file))
+        terminal.print_findings(found, _name(file))
         return 1
     told = QUESTIONS | {"no-gap", "iso-stated"}
-    say.say_findings([d for d in found if d.code in told], _name(file))
+    terminal.print_findings([d for d in found if d.code in told], _name(file))
     if number > len(program.blocks):
         raise click.UsageError(f"{file} has {len(program.blocks)} blocks, there is no {number}")
     for line in explain_block(program, used, data, number):
-        tell(line)
+        print_text(line)
     return 0
 
 

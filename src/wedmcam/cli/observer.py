@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
@@ -40,17 +40,17 @@ class Observer:
         if any(stage == source for _, source in self._shown):
             self._values[stage] = value
 
-    def tell_stages(self, machine: Machine) -> None:
+    def print_stages(self, machine: Machine) -> None:
         """Print the stages that were asked for, as far as the compile came."""
         from wedmcam.reports.stages import stage_text
 
         for name, source in self._shown:
             if source in self._values:
-                tell(stage_text(name, self._values[source], machine.stepping), nl=False)
+                print_text(stage_text(name, self._values[source], machine.stepping), nl=False)
             else:
-                tell(f"{name}: the compile did not come so far", err=True)
+                print_text(f"{name}: the compile did not come so far", err=True)
 
-    def tell_times(self) -> None:
+    def print_times(self) -> None:
         """Print how long each stage took."""
         parts = ", ".join(f"{stage} {1000 * s:.0f}" for stage, s in self._seconds.items())
-        tell(f"stages     {parts} ms", err=True)
+        print_text(f"stages     {parts} ms", err=True)

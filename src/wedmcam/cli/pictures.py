@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from wedmcam.cli.files import write_outputs
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 PICTURES = (".svg", ".png", ".html")
 
@@ -54,19 +54,19 @@ def write_refused(made: Any, title: str, name: str, source: str) -> bool:
     try:
         data = picture(made, title, name)
     except WrongUse as why:
-        tell(f"no picture was written: {source}: {why}", err=True)
+        print_text(f"no picture was written: {source}: {why}", err=True)
         return False
     write_outputs([(name, data)])
     if name != "-":
-        tell(f"{name} shows what was read, with the places marked", err=True)
+        print_text(f"{name} shows what was read, with the places marked", err=True)
     return True
 
 
-def say_nothing_written(output: str, but: bool = False) -> None:
+def print_nothing_written(output: str, but: bool = False) -> None:
     """Say that no program was written, and that one that is there is as it was.
 
     ``but``: a picture was.
     """
     what = "no program" if but else "nothing"
     there = output != "-" and Path(output).exists()
-    tell(f"{what} was written" + (f"; {output} is as it was" if there else ""), err=True)
+    print_text(f"{what} was written" + (f"; {output} is as it was" if there else ""), err=True)

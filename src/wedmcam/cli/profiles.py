@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 if TYPE_CHECKING:
     from wedmcam.diag import Diagnostic
@@ -26,7 +26,7 @@ def profile_group() -> None:
 def profile_list(json_: bool) -> int:
     """The built-in profiles."""
     from wedmcam import machines
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
 
     rows = [
         {
@@ -39,11 +39,11 @@ def profile_list(json_: bool) -> int:
         for machine in (machines.builtin(name),)
     ]
     if json_:
-        say.say_json(rows)
+        terminal.print_json(rows)
         return 0
     for row in rows:
         mark = " (default)" if row["default"] else ""
-        tell(f"{row['name']:18}  {row['format']:12}  {row['title']}{mark}")
+        print_text(f"{row['name']:18}  {row['format']:12}  {row['title']}{mark}")
     return 0
 
 
@@ -52,22 +52,22 @@ def profile_list(json_: bool) -> int:
 @JSON
 def profile_show(name: str, json_: bool) -> int:
     """A profile as TOML: every value in force, with its meaning; to start one of your own from."""
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.machines.write import as_toml, entries
 
     machine, found, text = _read(name)
-    say.say_findings(found, name, texts={name: text})
+    terminal.print_findings(found, name, texts={name: text})
     if machine is None:
         return 2
     if not json_:
-        tell(as_toml(machine), nl=False)
+        print_text(as_toml(machine), nl=False)
         return 0
     tables: dict[str, dict[str, Any]] = {}
     for entry in entries(machine):
         table = tables.setdefault(entry.section, {})
         if entry.key:  # a class without words has none
             table[entry.key] = entry.value
-    say.say_json({"name": machine.name, **tables.pop("", {}), **tables})
+    terminal.print_json({"name": machine.name, **tables.pop("", {}), **tables})
     return 0
 
 
@@ -76,17 +76,17 @@ def profile_show(name: str, json_: bool) -> int:
 @JSON
 def profile_check(file: str, json_: bool) -> int:
     """Whether a profile can be used; everything that is wrong with it at once."""
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
 
     machine, found, text = _read(file)
-    say.say_findings(found, file, texts={file: text})
+    terminal.print_findings(found, file, texts={file: text})
     if json_:
         from wedmcam.judge.certificate import finding_data
 
         told = {"file": file, "ok": machine is not None, "name": machine.name if machine else None}
-        say.say_json({**told, "diagnostics": [finding_data(d) for d in found]})
+        terminal.print_json({**told, "diagnostics": [finding_data(d) for d in found]})
     elif machine is not None:
-        tell(f"{file}: {machine.format}, {machine.title}")
+        print_text(f"{file}: {machine.format}, {machine.title}")
     return 0 if machine is not None else 2
 
 
@@ -111,12 +111,12 @@ def profile_probe(output: str | None, profile: str, read_: str | None) -> int:
 
 def _probe_written(output: str, profile: str) -> int:
     from wedmcam import probe
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.cli.files import check_outputs, write_outputs
     from wedmcam.options import FORMAT_OF_SUFFIX, WrongUse
 
     machine, found, text = _read(profile)
-    say.say_findings(found, profile, texts={profile: text})
+    terminal.print_findings(found, profile, texts={profile: text})
     if machine is None:
         return 2
     if not machine.is_of("3b"):
@@ -146,23 +146,23 @@ def _probe_written(output: str, profile: str) -> int:
     for part, name in names.items():
         box = (v * machine.axes.step_um / 1000 for v in probe.extents(part))
         x0, y0, x1, y1 = box
-        tell(f"{name}  needs x {x0:g} to {x1:g}, y {y0:g} to {y1:g} mm around the start")
-    tell(f"{stem}.txt  the sheet: fill it in, then wedmcam profile probe --read {stem}.txt")
+        print_text(f"{name}  needs x {x0:g} to {x1:g}, y {y0:g} to {y1:g} mm around the start")
+    print_text(f"{stem}.txt  the sheet: fill it in, then wedmcam profile probe --read {stem}.txt")
     return 0
 
 
 def _probe_read(name: str) -> int:
     from wedmcam import probe
-    from wedmcam.cli import say
+    from wedmcam.cli import terminal
     from wedmcam.cli.files import read_input
 
     text = read_input(name).decode("utf-8", "replace")
     readings, found = probe.read_sheet(text, name)
     told, more = probe.answers(readings, name)
-    say.say_findings([*found, *more], name, texts={name: text})
+    terminal.print_findings([*found, *more], name, texts={name: text})
     if told or readings.moved:
-        tell("# Of a profile: start one with `wedmcam profile show b3-compact`.")
-        tell(probe.toml(told, readings.moved), nl=False)
+        print_text("# Of a profile: start one with `wedmcam profile show b3-compact`.")
+        print_text(probe.toml(told, readings.moved), nl=False)
     elif not found and not more:
         raise click.UsageError(f"{name}: nothing is filled in")
     return 1 if found or more else 0

@@ -99,7 +99,7 @@ class BadSettings(click.ClickException):
 
     def show(self, file: Any = None) -> None:
         """Print the findings."""
-        from wedmcam.cli.say import coloured
+        from wedmcam.cli.terminal import coloured
 
         click.echo(self.rendered(coloured()), err=True)
 

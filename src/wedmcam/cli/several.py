@@ -11,7 +11,7 @@ from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.pictures import picture, write_refused
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 
 def compile_several(
@@ -29,7 +29,7 @@ def compile_several(
     ``plot`` is of the first.
     """
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import report, terminal
     from wedmcam.cli.settings import also_read
     from wedmcam.operations import together as several
 
@@ -60,12 +60,12 @@ def compile_several(
         made = several.compile_several(
             data, machines, name=name, output_names=names, options=options, named=named
         )
-    say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
+    terminal.print_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
     if not made.ok:
         if plot is not None:
             refused = next((one for one in made.made if not one.ok), made.made[0])
             write_refused(refused, Path(name).name, plot, name)
-        tell("no program was written", err=True)
+        print_text("no program was written", err=True)
         return made.status
     files: list[tuple[str, bytes]] = []
     for one, to_, issued, mapped in zip(
@@ -74,22 +74,22 @@ def compile_several(
         assert one.data is not None
         files.append((to_, one.data))
         if issued is not None:
-            files.append((issued, say.certificate_bytes(one.summary)))
+            files.append((issued, report.certificate_bytes(one.summary)))
         if mapped is not None:
-            files.append((mapped, say.map_bytes(api.source_map(one))))
+            files.append((mapped, report.map_bytes(api.source_map(one))))
     if plot is not None:
         files.append((plot, picture(made.made[0], Path(names[0]).name, plot)))
     write_outputs(files)
     if not asked["quiet"]:
         for k, (one, to_) in enumerate(zip(made.made, names, strict=True)):
-            say.say_report(one, to_, asked["verbose"], rows=k == 0)  # one plan serves all
-        tell(
+            report.print_report(one, to_, asked["verbose"], rows=k == 0)  # one plan serves all
+        print_text(
             f"the same path in {len(names)} formats: at most {max(made.apart_um):.2f} um apart",
             err=True,
         )
-        say.say_time(made.made[0].summary, feed)
+        report.print_time(made.made[0].summary, feed)
     if asked["json_"]:
-        say.say_json([say.with_time(one.summary, feed) for one in made.made])
+        terminal.print_json([report.with_time(one.summary, feed) for one in made.made])
     return 0
 
 

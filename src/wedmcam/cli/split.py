@@ -9,7 +9,7 @@ from wedmcam.cli import asked as ask
 from wedmcam.cli.files import check_outputs, read_input, write_outputs
 from wedmcam.cli.pictures import picture, write_refused
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 from wedmcam.machines import Machine
 
 
@@ -28,7 +28,7 @@ def compile_split(
     Certificates, pictures and maps are numbered like the programs. --json prints a line a load.
     """
     from wedmcam import api
-    from wedmcam.cli import say
+    from wedmcam.cli import report, terminal
     from wedmcam.operations.split import compile_loads, moves, numbered
 
     ask.check_source(input_, asked["from_"])
@@ -47,13 +47,13 @@ def compile_split(
     several = len(loads) > 1
     files: list[tuple[str, bytes]] = []
     for k, made in enumerate(loads, 1):
-        say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
+        terminal.print_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
         if not made.ok:
             if plot is not None:
                 write_refused(made, Path(name).name, plot, name)
-            tell("no program was written", err=True)
+            print_text("no program was written", err=True)
             if asked["json_"]:
-                say.say_json(made.summary)
+                terminal.print_json(made.summary)
             return int(made.status)
         assert made.data is not None
 
@@ -62,12 +62,12 @@ def compile_split(
 
         files.append((place(output), made.data))
         if certificate is not None:
-            files.append((place(certificate), say.certificate_bytes(made.summary)))
+            files.append((place(certificate), report.certificate_bytes(made.summary)))
         if plot is not None:
             drawn = picture(made, Path(place(output)).name, plot)
             files.append((place(plot), drawn))
         if map_ is not None:
-            files.append((place(map_), say.map_bytes(api.source_map(made))))
+            files.append((place(map_), report.map_bytes(api.source_map(made))))
     check_outputs([input_], [file for file, _ in files])
     write_outputs(files)
     between = [None, *moves(loads)]
@@ -77,14 +77,14 @@ def compile_split(
             if moved is not None:
                 dx, dy = (v / 1000 for v in moved["move_um"])
                 x, y = (v / 1000 for v in moved["start_um"])
-                tell(
+                print_text(
                     f"move       wire cut, from the end of load {k - 1} by ({dx:.3f}, {dy:.3f}) mm "
                     f"to the thread point ({x:.3f}, {y:.3f}) mm of load {k}",
                     err=True,
                 )
-            say.say_report(made, where, asked["verbose"])
-            say.say_time(made.summary, feed)
+            report.print_report(made, where, asked["verbose"])
+            report.print_time(made.summary, feed)
         if asked["json_"]:
             more = {} if moved is None else {"move_um": moved["move_um"]}
-            say.say_json({**say.with_time(made.summary, feed), "load": k, **more})
+            terminal.print_json({**report.with_time(made.summary, feed), "load": k, **more})
     return 0

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 
 if TYPE_CHECKING:
     from wedmcam.frontends.identify import Identification
@@ -73,7 +73,7 @@ def _at(values: list[float]) -> str:
     return f"({values[0]:.3f}, {values[1]:.3f})"
 
 
-def say_inspection(f: dict[str, Any], verbose: bool) -> None:
+def print_inspection(f: dict[str, Any], verbose: bool) -> None:
     """Print the facts of a drawing."""
     rows = [
         ("file", f"{f['input']}  {f['version']}"),
@@ -114,15 +114,15 @@ def say_inspection(f: dict[str, Any], verbose: bool) -> None:
             text += f", limited by {what} at {_at(largest['at_mm'])}  {largest['where'] or ''}"
         rows.append(("offset up to", text.rstrip()))
     for name, text in rows:
-        tell(f"{name:13}{text}")
+        print_text(f"{name:13}{text}")
     listed = f["list"] if verbose else f["list"][:20]
     for c in listed:
         inside = f" in {c['inside']}" if c["inside"] else ""
         area = f", {c['area_mm2']:.3f} mm2" if c["area_mm2"] is not None else ""
-        tell(
+        print_text(
             f"{c['number']:5d} {c['role']}{inside}: {c['lines']} lines, {c['arcs']} arcs, "
             f"{c['length_mm']:.3f} mm{area}, {_at(c['extents_mm'][:2])} to "
             f"{_at(c['extents_mm'][2:])}  {c['first'] or ''}"
         )
     if len(f["list"]) > len(listed):
-        tell(f"      and {len(f['list']) - len(listed)} more (-v lists all)")
+        print_text(f"      and {len(f['list']) - len(listed)} more (-v lists all)")

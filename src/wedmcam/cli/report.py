@@ -1,69 +1,17 @@
-"""What people read: findings, reports and tables on standard error, JSON on standard output."""
+"""What came of a compile, a proof and a comparison, as people read it on standard error."""
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from wedmcam.cli.tell import tell
-from wedmcam.diag import Diagnostic, Severity, TextSpan, json_text
+from wedmcam.cli.terminal import print_text
+from wedmcam.diag import json_text
 from wedmcam.ir.understanding import HEADINGS
 
 if TYPE_CHECKING:
     from wedmcam.api import Compilation, Proof
     from wedmcam.ir.understanding import Understanding
     from wedmcam.judge.difference import Difference
-
-
-def coloured() -> bool:
-    """Return whether standard error takes colours."""
-    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
-    return sys.stderr.isatty() and not plain
-
-
-def say_findings(
-    found: Collection[Diagnostic],
-    file: str = "",
-    quiet: bool = False,
-    texts: Mapping[str, str | bytes | None] | None = None,
-) -> None:
-    """Print findings; ``quiet`` leaves notes out.
-
-    Args:
-        found: the findings.
-        file: stands where a finding has no place of its own.
-        quiet: leave notes out.
-        texts: name -> text of what was read: the lines that findings point to are shown.
-    """
-    from wedmcam.diag.render import merged, render
-
-    shown: dict[str, str] = {}
-    for d in merged(found):
-        if quiet and d.severity is Severity.NOTE:
-            continue
-        name = d.span.file if isinstance(d.span, TextSpan) else ""
-        text = texts.get(name) if texts and name not in shown else None
-        if text is not None:
-            shown[name] = text if isinstance(text, str) else text.decode("utf-8-sig", "replace")
-        click.echo(render(d, file, coloured(), shown.get(name)), err=True)
-
-
-def say_error(message: str, hint: str = "") -> None:
-    """Print an error that is about no place: wrong use, a file that cannot be read."""
-    from wedmcam.diag.shown import shortened, visible
-
-    head = "\x1b[31;1merror\x1b[0m" if coloured() else "error"
-    said = visible(shortened(message), keep="\n")
-    click.echo(f"{head}: {said}" + (f"\n  hint: {visible(hint)}" if hint else ""), err=True)
-
-
-def say_json(data: Any) -> None:
-    """Print data as JSON on standard output."""
-    tell(json_text(data, 2))
 
 
 def certificate_bytes(data: dict[str, Any]) -> bytes:
@@ -89,24 +37,24 @@ def with_time(summary: dict[str, Any], feed_um: float | None) -> dict[str, Any]:
     return {**summary, "feed_mm_per_min": feed_um / 1000, "minutes": minutes(path, feed_um)}
 
 
-def say_time(summary: dict[str, Any], feed_um: float | None) -> None:
+def print_time(summary: dict[str, Any], feed_um: float | None) -> None:
     """Print the cutting time where a feed was given."""
     timed = with_time(summary, feed_um)
     if "minutes" in timed:
         whole = round(timed["minutes"])
         hours = f" ({whole // 60} h {whole % 60:02d} min)" if whole >= 60 else ""
-        tell(
+        print_text(
             f"time       {timed['minutes']:.1f} min{hours} of cutting at "
             f"{timed['feed_mm_per_min']:.3f} mm/min",
             err=True,
         )
 
 
-def say_difference(d: Difference, a: str, b: str) -> None:
+def print_difference(d: Difference, a: str, b: str) -> None:
     """Print how two programs differ, on standard output: it is what was asked for."""
     if d.equal:
         apart = f"at most {d.largest_um:.2f} um apart" if d.largest_um else "the same places"
-        tell(f"equal: {apart}")
+        print_text(f"equal: {apart}")
         return
     x, y = d.at[0] / 1000 + 0.0, d.at[1] / 1000 + 0.0
     away = f"{d.distance_um:.2f} um apart" if d.distance_um < float("inf") else d.what
@@ -114,13 +62,13 @@ def say_difference(d: Difference, a: str, b: str) -> None:
         f"block {n} of {name}" if n else f"the end of {name}"
         for n, name in ((d.block_a, a), (d.block_b, b))
     )
-    tell(
+    print_text(
         f"different: {away} at ({x:.3f}, {y:.3f}) mm from the start, in {names}; up to there at "
         f"most {d.largest_um:.2f} um"
     )
 
 
-def say_figures(proof: Proof) -> None:
+def print_figures(proof: Proof) -> None:
     """Print what a program does by itself, without a drawing."""
     s = proof.summary
     ends = (
@@ -138,7 +86,7 @@ def say_figures(proof: Proof) -> None:
         f"limits     the largest J is {most:.3f} of {limit:.3f} mm",
         "give --against DRAWING to prove the part",
     ):
-        tell(line, err=True)
+        print_text(line, err=True)
 
 
 #: So many contours are listed; the rest where more is asked for (-v).
@@ -167,7 +115,7 @@ def counts_line(known: Understanding) -> str:
     return f"understood cuts {known.counts}"
 
 
-def say_report(made: Compilation, output: str, verbose: bool = False, rows: bool = True) -> None:
+def print_report(made: Compilation, output: str, verbose: bool = False, rows: bool = True) -> None:
     """Print what was understood and what was made of it.
 
     Args:
@@ -191,43 +139,45 @@ def say_report(made: Compilation, output: str, verbose: bool = False, rows: bool
         counts_line(known),
         proof_line(made),
     ):
-        tell(line, err=True)
+        print_text(line, err=True)
     if made.entries is not None and made.entries.d:
         pairs = ", ".join(f"{name} = {length}" for name, length in made.entries.lines())
-        tell(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
+        print_text(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
     if made.entries is not None and made.entries.gap_um is not None:
         side = "die (inwards)" if v.side == "die" else "part (outwards)"
         gap = f"gap {v.offset_um / 1000:.3f} mm, {side}"
-        tell(f"enter      {gap}, at the controller: it offsets arcs itself", err=True)
+        print_text(f"enter      {gap}, at the controller: it offsets arcs itself", err=True)
     if verbose:
-        _say_cuts(made)
+        _print_cuts(made)
 
 
-def _say_cuts(made: Compilation) -> None:
+def _print_cuts(made: Compilation) -> None:
     """Print the contours in the order of cutting, and the options that are no defaults."""
     assert made.verdict is not None
     assert made.plan is not None
-    tell("cut     blocks         thread point mm    length mm  deviation um  closure um", err=True)
+    print_text(
+        "cut     blocks         thread point mm    length mm  deviation um  closure um", err=True
+    )
     for c, cut in zip(made.verdict.cuts, made.plan.cuts, strict=False):
         x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
         blocks = f"{c.first_block}-{c.last_block}"
         closure = "open" if c.closure_um is None else f"{c.closure_um:.0f}"
-        tell(
+        print_text(
             f"{c.number:3d} {blocks:>10} {x:12.3f} {y:12.3f} {c.length_mm:12.3f} "
             f"{c.max_deviation_um:13.2f} {closure:>11}",
             err=True,
         )
     asked = ", ".join(f"{k} {v}" for k, v in made.summary.get("options", {}).items())
-    tell(f"options    {asked or 'all by default'}", err=True)
+    print_text(f"options    {asked or 'all by default'}", err=True)
 
 
-def say_arithmetic(apart: dict[str, Any]) -> None:
+def print_arithmetic(apart: dict[str, Any]) -> None:
     """Print by how much the arithmetics differ, where it was measured."""
     if "arithmetic_difference_um" not in apart:
         return
     um = apart["arithmetic_difference_um"]
     told = "one of them refuses this part" if um is None else f"up to {um:.4f} um apart"
-    tell(f"arithmetic decimal8 and float64: wire paths {told}", err=True)
+    print_text(f"arithmetic decimal8 and float64: wire paths {told}", err=True)
 
 
 def _size(drawn: Any) -> str:

@@ -21,10 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.cli.files import Failed, read_input, remove_unfinished, write_outputs
+from wedmcam.cli.files import Failed, read_input, write_outputs
 from wedmcam.cli.progress import Bar
 from wedmcam.cli.terminal import print_text
 from wedmcam.diag import json_text, visible
+from wedmcam.files import remove_unfinished
 from wedmcam.options import SUFFIX_OF_FORMAT, WrongUse
 
 if TYPE_CHECKING:

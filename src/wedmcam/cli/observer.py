@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from wedmcam.cli.terminal import print_text
-
-if TYPE_CHECKING:
-    from wedmcam.machines import Machine
+from wedmcam.machines import Machine
+from wedmcam.reports.stages import STAGES, stage_text
 
 dump_option = click.option(
     "--dump-after",
@@ -25,8 +24,6 @@ class Observer:
     """Keeps what was asked for of each stage, and the time since the one before."""
 
     def __init__(self, stages: tuple[str, ...]) -> None:
-        from wedmcam.reports.stages import STAGES
-
         self._shown = [(name, STAGES[name]) for name in dict.fromkeys(stages)]
         self._values: dict[str, Any] = {}
         self._seconds: dict[str, float] = {}
@@ -42,8 +39,6 @@ class Observer:
 
     def print_stages(self, machine: Machine) -> None:
         """Print the stages that were asked for, as far as the compile came."""
-        from wedmcam.reports.stages import stage_text
-
         for name, source in self._shown:
             if source in self._values:
                 print_text(stage_text(name, self._values[source], machine.stepping), nl=False)

@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from wedmcam.cli.terminal import print_text
-from wedmcam.diag import json_text
-from wedmcam.ir.understanding import HEADINGS
-
-if TYPE_CHECKING:
-    from wedmcam.api import Compilation, Proof
-    from wedmcam.ir.understanding import Understanding
-    from wedmcam.judge.difference import Difference
-
-
-def certificate_bytes(data: dict[str, Any]) -> bytes:
-    """Return a certificate as it is written to a file."""
-    return (json_text(data, 2) + "\n").encode("utf-8")
-
-
-def map_bytes(data: dict[str, Any]) -> bytes:
-    """Return a map as it is written to a file: a line a block, for large programs are long."""
-    head = {k: v for k, v in data.items() if k != "blocks"}
-    top = json_text(head, 2)[:-2]
-    rows = ",\n".join("    " + json_text(row) for row in data["blocks"])
-    return f'{top},\n  "blocks": [\n{rows}\n  ]\n}}\n'.encode()
-
-
-def with_time(summary: dict[str, Any], feed_um: float | None) -> dict[str, Any]:
-    """Return a summary with the cutting time in minutes, where a feed was given."""
-    from wedmcam.api import minutes
-
-    path = summary.get("path_mm")
-    if feed_um is None or path is None:
-        return summary
-    return {**summary, "feed_mm_per_min": feed_um / 1000, "minutes": minutes(path, feed_um)}
+from wedmcam.compiler.results import Compilation, Proof
+from wedmcam.compiler.sources import Drawn
+from wedmcam.geom import measure
+from wedmcam.ir.understanding import HEADINGS, Understanding
+from wedmcam.judge.difference import Difference
+from wedmcam.judge.verdict import Verdict
+from wedmcam.programs.places import with_time
 
 
 def print_time(summary: dict[str, Any], feed_um: float | None) -> None:
@@ -115,50 +92,52 @@ def counts_line(known: Understanding) -> str:
     return f"understood cuts {known.counts}"
 
 
-def print_report(made: Compilation, output: str, verbose: bool = False, rows: bool = True) -> None:
-    """Print what was understood and what was made of it.
+def print_report(
+    compilation: Compilation, output: str, verbose: bool = False, rows: bool = True
+) -> None:
+    """Print what was understood and what came of it.
 
     Args:
-        made: a compile that is ok.
+        compilation: a compile that is ok.
         output: where the program goes.
         verbose: all contours, with the figures of each.
         rows: say of each contour how it was understood; else only how many are what.
     """
-    v, drawn, known = made.verdict, made.drawn, made.understood
+    v, drawn, known = compilation.verdict, compilation.drawn, compilation.understood
     if v is None or drawn is None or known is None:
         return
-    assert made.plan is not None
+    assert compilation.plan is not None
     info = drawn.sketch.info
-    s = made.summary
+    s = compilation.summary
     for line in (
         f"{s['input']}  {info.units} ({info.units_from})  {_size(drawn)}",
-        f"contours   {v.contours} cut, offset {made.plan.offsets_text}, side {v.side}",
+        f"contours   {v.contours} cut, offset {compilation.plan.offsets_text}, side {v.side}",
         *(understood_lines(known, verbose) if rows else ()),
         f"program    {output}  {v.blocks} blocks, path {v.path_mm:.3f} mm, {v.steps} steps, "
-        f"profile {made.machine.name}",
+        f"profile {compilation.machine.name}",
         counts_line(known),
-        proof_line(made),
+        proof_line(compilation),
     ):
         print_text(line, err=True)
-    if made.entries is not None and made.entries.d:
-        pairs = ", ".join(f"{name} = {length}" for name, length in made.entries.lines())
+    if compilation.entries is not None and compilation.entries.d:
+        pairs = ", ".join(f"{name} = {length}" for name, length in compilation.entries.lines())
         print_text(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
-    if made.entries is not None and made.entries.gap_um is not None:
+    if compilation.entries is not None and compilation.entries.gap_um is not None:
         side = "die (inwards)" if v.side == "die" else "part (outwards)"
         gap = f"gap {v.offset_um / 1000:.3f} mm, {side}"
         print_text(f"enter      {gap}, at the controller: it offsets arcs itself", err=True)
     if verbose:
-        _print_cuts(made)
+        _print_cuts(compilation)
 
 
-def _print_cuts(made: Compilation) -> None:
+def _print_cuts(compilation: Compilation) -> None:
     """Print the contours in the order of cutting, and the options that are no defaults."""
-    assert made.verdict is not None
-    assert made.plan is not None
+    assert compilation.verdict is not None
+    assert compilation.plan is not None
     print_text(
         "cut     blocks         thread point mm    length mm  deviation um  closure um", err=True
     )
-    for c, cut in zip(made.verdict.cuts, made.plan.cuts, strict=False):
+    for c, cut in zip(compilation.verdict.cuts, compilation.plan.cuts, strict=False):
         x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
         blocks = f"{c.first_block}-{c.last_block}"
         closure = "open" if c.closure_um is None else f"{c.closure_um:.0f}"
@@ -167,8 +146,8 @@ def _print_cuts(made: Compilation) -> None:
             f"{c.max_deviation_um:13.2f} {closure:>11}",
             err=True,
         )
-    asked = ", ".join(f"{k} {v}" for k, v in made.summary.get("options", {}).items())
-    print_text(f"options    {asked or 'all by default'}", err=True)
+    options = ", ".join(f"{k} {v}" for k, v in compilation.summary.get("options", {}).items())
+    print_text(f"options    {options or 'all by default'}", err=True)
 
 
 def print_arithmetic(apart: dict[str, Any]) -> None:
@@ -176,23 +155,58 @@ def print_arithmetic(apart: dict[str, Any]) -> None:
     if "arithmetic_difference_um" not in apart:
         return
     um = apart["arithmetic_difference_um"]
-    told = "one of them refuses this part" if um is None else f"up to {um:.4f} um apart"
-    print_text(f"arithmetic decimal8 and float64: wire paths {told}", err=True)
+    text = "one of them refuses this part" if um is None else f"up to {um:.4f} um apart"
+    print_text(f"arithmetic decimal8 and float64: wire paths {text}", err=True)
 
 
-def _size(drawn: Any) -> str:
-    from wedmcam.geom import measure
-
+def _size(drawn: Drawn) -> str:
     boxes = measure.extents_of_all([(c.vertices, c.closed) for c in drawn.contours])
     width, height = boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)
     return f"{width / 1000:.3f} x {height / 1000:.3f} mm"
 
 
-def proof_line(made: Compilation | Proof) -> str:
+def print_proof(proof: Proof, verbose: bool) -> None:
+    """Print what a program is beside its drawing, or by itself where there is none."""
+    if proof.verdict is None:
+        if proof.program is not None and proof.ok:
+            print_figures(proof)
+        return
+    v = proof.verdict
+    print_text(
+        f"contours   {v.contours}, {v.blocks} blocks, {v.steps} steps, {v.path_mm:.3f} mm, "
+        f"starts at ({v.origin_um[0] / 1000:.3f}, {v.origin_um[1] / 1000:.3f}) mm",
+        err=True,
+    )
+    if proof.understood is not None:
+        for line in understood_lines(proof.understood, verbose):
+            print_text(line, err=True)
+        print_text(counts_line(proof.understood), err=True)
+    print_text(proof_line(proof), err=True)
+    if verbose:
+        _print_blocks(v)
+    for image in proof.summary.get("metamorphic", ()):
+        off = "-" if image["deviation_um"] is None else f"{image['deviation_um']:.2f} um"
+        print_text(f"image      {image['name']}: {off} {image['why']}".rstrip(), err=True)
+
+
+def _print_blocks(v: Verdict) -> None:
+    """Print where each block ends, and how far it is from the plan."""
+    t = v.table
+    print_text("block    cut        ends at (mm)   error um     right      left", err=True)
+    for k in range(len(t.block)):
+        x, y = t.stepped[k] / 1000
+        print_text(
+            f"{t.block[k]:5d} {t.cut[k]:6d} {x:10.3f} {y:10.3f} {t.error[k]:8.2f} "
+            f"{t.low[k]:9.2f} {t.high[k]:9.2f}",
+            err=True,
+        )
+
+
+def proof_line(of: Compilation | Proof) -> str:
     """Return the figures of the proof in one line."""
-    v = made.verdict
+    v = of.verdict
     assert v is not None
     closure = "no closed contour" if v.closure_um is None else f"closure {v.closure_um:.0f} um"
     gouge = "" if v.gouge_um is None else f", gouge {v.gouge_um:.2f} um"
-    head = "verified  " if made.ok else "REFUSED   "
+    head = "verified  " if of.ok else "REFUSED   "
     return f"{head} decoded and stepped: deviation {v.max_deviation_um:.2f} um, {closure}{gouge}"

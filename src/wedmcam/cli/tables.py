@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from wedmcam import machines
 from wedmcam.cli.terminal import print_text
-
-if TYPE_CHECKING:
-    from wedmcam.frontends.identify import Identification
-    from wedmcam.ir.program import Program
-    from wedmcam.machines import Machine
+from wedmcam.frontends.identify import Identification
+from wedmcam.ir.program import Program
+from wedmcam.machines import Machine
+from wedmcam.programs.rows import dump
 
 
 def identification(seen: Identification) -> dict[str, Any]:
@@ -21,8 +21,6 @@ def identification(seen: Identification) -> dict[str, Any]:
 
 def memory_of(seen: Identification) -> str:
     """Return where the data of a binary program end, and how much of the memory they take."""
-    from wedmcam import machines
-
     if seen.last_address is None or seen.format not in ("compact", "rotation", "compensation"):
         return ""
     used, memory = seen.last_address + 1, machines.default(seen.format).limits.memory_bytes
@@ -31,15 +29,11 @@ def memory_of(seen: Identification) -> str:
 
 def dump_rows(program: Program, machine: Machine) -> list[dict[str, Any]]:
     """Return the blocks of a program as plain data."""
-    from wedmcam.programs.rows import dump
-
     return [asdict(row) for row in dump(program, machine)]
 
 
 def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
     """Yield the blocks of a program as a table."""
-    from wedmcam.programs.rows import dump
-
     axes = machine.axes
     if not axes.plain:
         turned = replace(axes, step_um=1.0).said

@@ -30,7 +30,6 @@ from wedmcam.cli.settings import Configured
 from wedmcam.cli.source import compile_source, measure_arithmetics, read_source
 from wedmcam.cli.split import compile_split
 from wedmcam.cli.terminal import print_json
-from wedmcam.cli.together import compile_together
 from wedmcam.compiler.results import Compilation
 from wedmcam.machines import Machine
 from wedmcam.programs.places import with_time
@@ -94,6 +93,8 @@ def compile_command(
         if split:
             raise click.UsageError("--split takes one format: formats part at other places")
         check_picture(plot_)
+        from wedmcam.cli.together import compile_together  # compares programs: with all readers
+
         return compile_together(input_, outputs, formats, params)
     as_drawing = to == "dxf" or (to is None and Path(output).suffix.lower() == ".dxf")
     machine = _machine(output, to, as_drawing, params["profile"])

@@ -69,7 +69,8 @@ def plot_command(input_: str, output: str, contours: bool, **params: Any) -> int
 
 
 def _is_program(data: bytes) -> bool:
-    return identify(data).format in PROGRAM_FORMATS
+    seen = identify(data)
+    return seen.format in PROGRAM_FORMATS
 
 
 def _machine_of_program(name: str, params: dict[str, Any]) -> Machine | None:

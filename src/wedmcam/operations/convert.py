@@ -28,7 +28,7 @@ from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.operations.compile import compile as compile_source
 from wedmcam.operations.profiles import machine_for
-from wedmcam.operations.read import read_program
+from wedmcam.operations.read import NO_GAP, read_program
 from wedmcam.programs.places import block_ends
 from wedmcam.targets import Entries, target_of
 
@@ -184,9 +184,8 @@ def _gap_asked(d: Diagnostic, shown: bool, stays: bool) -> Diagnostic | None:
         return d
     if stays:
         return None
-    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
     hint = "--gap 0.1mm --side part, as entered at the controller; --gap 0 for the outline itself"
-    return error("no-gap", what, d.span, hint=hint)
+    return error("no-gap", NO_GAP, d.span, hint=hint)
 
 
 def _lost(d: Diagnostic) -> Diagnostic:

@@ -17,6 +17,9 @@ from wedmcam.operations.profiles import reader_machine
 from wedmcam.options import check_reading, nm_of
 from wedmcam.targets import Entries, target_of
 
+#: Why a program whose controller makes the path is neither proven nor converted without its gap.
+NO_GAP = "no gap is given: by how much the wire runs beside the outline is nowhere said"
+
 
 def dialect_of(said: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:
     """Return what is said of a program beside its text; keywords as in `options.READING`.

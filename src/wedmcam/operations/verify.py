@@ -30,7 +30,7 @@ from wedmcam.operations.profiles import (
     reader_machine,
     targets_of,
 )
-from wedmcam.operations.read import dialect_of
+from wedmcam.operations.read import NO_GAP, dialect_of
 from wedmcam.options import Options, WrongUse, options_in_mm
 from wedmcam.targets import Entries, Target
 
@@ -244,9 +244,8 @@ def _no_gap(
     found = [] if stated else target.unstated(decoded)
     if against is None or not found:
         return found
-    what = "no gap is given: by how much the wire runs beside the outline is nowhere said"
     hint = "--offset 0.1mm, the gap that is entered at the controller; --side on for none"
-    return [error("no-gap", what, hint=hint)]
+    return [error("no-gap", NO_GAP, hint=hint)]
 
 
 def _options_issued(

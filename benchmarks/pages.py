@@ -184,7 +184,7 @@ def _prepare(here: Path, case: dict[str, Any]) -> list[Path]:
 
 def run(line: str) -> tuple[int, str]:
     """Run a command of wedmcam in this process; return its exit status and what it told people."""
-    from wedmcam.__main__ import _said
+    from wedmcam.__main__ import report_stop
     from wedmcam.cli.main import cli
 
     heard, data = io.StringIO(), io.TextIOWrapper(io.BytesIO(), "utf-8")
@@ -192,7 +192,7 @@ def run(line: str) -> tuple[int, str]:
         try:
             status = cli.main(shlex.split(line), prog_name="wedmcam", standalone_mode=False)
         except Exception as why:
-            status = _said(why)
+            status = report_stop(why)
     return int(status or 0), heard.getvalue()
 
 

@@ -1,7 +1,7 @@
 """wedmcam: from a drawing to a proven wire-EDM program.
 
-The library is what the command line calls: `compile`, `verify`, `inspect`, `plot`. Names are
-fetched when they are first used, so that importing this costs nothing.
+The library is what the command line calls: `compile`, `compile_all`, `verify`, `inspect`, `plot`.
+Names are fetched when they are first used, so that importing this costs nothing.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         Proof,
         arithmetic_difference,
         compile,
+        compile_all,
         inspect,
         plot,
         read_program,
@@ -32,6 +33,7 @@ __all__ = [
     "WrongUse",
     "arithmetic_difference",
     "compile",
+    "compile_all",
     "inspect",
     "plot",
     "read_program",

@@ -28,10 +28,10 @@ def main() -> None:
 
         status = cli.main(prog_name="wedmcam", standalone_mode=False)
         sys.stdout.flush()
-        status = status if isinstance(status, int) else 0
+        status, stopped = status if isinstance(status, int) else 0, False
     except BaseException as why:
-        status = _status(why)
-    _leave(status)
+        status, stopped = _status(why), True
+    _leave(status, stopped)
 
 
 def _give_streams() -> None:
@@ -56,7 +56,7 @@ def _give_streams() -> None:
 
 
 def _status(why: BaseException) -> int:
-    """Return the exit status of what ended the run, and say what it was."""
+    """Return the exit status of what ended the run, and print what it was."""
     if isinstance(why, BrokenPipeError):
         # Nobody reads any more: that is their right.
         return 141
@@ -66,15 +66,15 @@ def _status(why: BaseException) -> int:
         if isinstance(why, KeyboardInterrupt):
             sys.stderr.write("interrupted\n")
             return INTERRUPTED
-        return _said(why)
+        return report_stop(why)
     except BrokenPipeError:
         return 141
     except OSError:  # there is no place for messages
         return 1
 
 
-def _leave(status: int) -> None:
-    """End; without waiting for the workers of a batch that was interrupted."""
+def _leave(status: int, stopped: bool) -> None:
+    """End; what was stopped waits for no process of a batch that may be under way."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -82,8 +82,7 @@ def _leave(status: int) -> None:
             # What it still holds has no place: Python must not try again when it ends.
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
             status = status or 1
-    batch = sys.modules.get("wedmcam.cli.batch")
-    if batch is not None and batch.ABANDONED:
+    if stopped:
         os._exit(status)
     sys.exit(status)
 
@@ -92,11 +91,11 @@ def _ended(number: int, _: Any) -> None:
     sys.exit(128 + number)
 
 
-def _said(why: BaseException) -> int:
-    """Say what stopped the program, and return its exit status."""
-    import click
+def report_stop(why: BaseException) -> int:
+    """Print what stopped the program, and return its exit status."""
+    import click  # here, so that nothing of the start can fail outside of `main`
 
-    from wedmcam.cli.say import say_error
+    from wedmcam.cli.terminal import print_error
     from wedmcam.diag.run import WrongUse
 
     if isinstance(why, click.exceptions.Exit):
@@ -110,23 +109,23 @@ def _said(why: BaseException) -> int:
     if isinstance(why, click.UsageError):
         path = why.ctx.command_path if why.ctx else "wedmcam"
         message = why.format_message().rstrip(".")
-        say_error(message[:1].lower() + message[1:], f"{path} --help")
+        print_error(message[:1].lower() + message[1:], f"{path} --help")
         return why.exit_code
     if isinstance(why, click.ClickException):
         why.show()
         return why.exit_code
     if isinstance(why, WrongUse):
-        say_error(str(why))
+        print_error(str(why))
         return 2
     if isinstance(why, OSError):
-        say_error(f"{why.filename or 'standard output'}: {why.strerror or why}")
+        print_error(f"{why.filename or 'standard output'}: {why.strerror or why}")
         return 1
     if isinstance(why, MemoryError):
-        say_error("the memory of this machine does not hold what this input needs")
+        print_error("the memory of this machine does not hold what this input needs")
         return 1
     if os.environ.get("WEDMCAM_DEBUG"):
         raise why
-    say_error(
+    print_error(
         f"internal error: {type(why).__name__}: {why}\nthis is a bug of wedmcam: please report it "
         "with the input (WEDMCAM_DEBUG=1 shows where it happened)"
     )

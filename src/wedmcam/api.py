@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from wedmcam.batch.compile import compile_all
     from wedmcam.compiler.results import Compilation, Inspection, Proof
     from wedmcam.files import Source, bytes_of
     from wedmcam.operations.compile import (
@@ -38,6 +39,7 @@ __all__ = [
     "arithmetic_difference",
     "bytes_of",
     "compile",
+    "compile_all",
     "compile_plan",
     "diff",
     "difference_data",
@@ -61,6 +63,7 @@ __all__ = [
 
 #: Room -> the names that come from it.
 _ROOMS: dict[str, tuple[str, ...]] = {
+    "wedmcam.batch.compile": ("compile_all",),
     "wedmcam.compiler.results": ("Compilation", "Inspection", "Proof"),
     "wedmcam.files": ("Source", "bytes_of"),
     "wedmcam.operations.compile": (

@@ -203,7 +203,7 @@ def runs(pid):
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no such device here")
 @pytest.mark.parametrize("line", ["check /dev/zero", "dump /dev/zero", "verify /dev/full"])
 def test_a_device_without_an_end(line, monkeypatch):
-    monkeypatch.setattr("wedmcam.cli.files.MOST_BYTES", 10**6)
+    monkeypatch.setattr("wedmcam.files.MOST_BYTES", 10**6)
     done = CliRunner().invoke(cli, line.split())
     assert done.exit_code == 1
     assert "a device without an end" in done.output

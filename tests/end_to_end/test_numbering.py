@@ -9,7 +9,7 @@ import pytest
 import wedmcam
 from drawings import drawing
 from wedmcam import api
-from wedmcam.cli.say import say_report
+from wedmcam.cli.report import print_report
 from wedmcam.options import Options
 from wedmcam.reports.setup_sheet import sheet
 
@@ -80,7 +80,7 @@ def test_picture_sheet_and_screen_number_alike(source, options, to, capsys):
     assert of_picture(wedmcam.plot(made, "x")) == want
     holes = dict(sheet(made, "x"))["Start holes"][1]
     assert [(h[0][1:], float(h[1]), float(h[2])) for h in holes] == want
-    say_report(made, "x", verbose=True)
+    print_report(made, "x", verbose=True)
     rows = re.findall(r"^ +(\d+) +\d+-\d+ +(\S+) +(\S+)", capsys.readouterr().err, re.M)
     assert [(n, float(x), float(y)) for n, x, y in rows] == want
     first = {}

@@ -130,7 +130,7 @@ OPTIONS = sorted(
     {
         (command, option.opts[0])
         for command in LINES
-        for option in cli.commands[command].params
+        for option in cli.get_command(click.Context(cli), command).params
         if isinstance(option, click.Option) and not option.is_flag and option.opts[0] != "-o"
     }
 )

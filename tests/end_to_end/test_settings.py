@@ -9,6 +9,7 @@ from test_cli import wedmcam
 
 import parts
 from wedmcam.cli import main, settings
+from wedmcam.cli.commands.config import config_command
 
 COLUMNS = Path(main.__file__).parents[1] / "machines" / "b3-columns.toml"
 SQUARE = parts.dxf_bytes((parts.rectangle(20_000, 10_000),))
@@ -195,7 +196,7 @@ def test_every_option_that_names_no_file_can_stand_there():
     assert {"offset", "wire", "gap", "profile", "jobs", "strict", "arithmetic"} <= set(known)
     never = {key for key, option in known.items() if settings.of_one_run(option)}
     assert {"output", "certificate", "plot", "against"} <= never
-    shown = {settings.key_of(p) for p in main.cli.commands["config"].params}
+    shown = {settings.key_of(p) for p in config_command.params}
     assert set(known) - never <= shown
 
 

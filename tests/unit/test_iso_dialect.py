@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -391,7 +392,7 @@ def test_a_call_is_not_written_either():
 
 def test_options_of_the_command_line_are_those_of_the_library():
     for command in ("convert", "verify", "diff", "plot", "dump", "explain"):
-        taken = {p.name: p for p in cli.commands[command].params}
+        taken = {p.name: p for p in cli.get_command(click.Context(cli), command).params}
         assert {*ANSWERS, "profile_in"} <= set(taken), command
         for name, answers in ANSWERS.items():
             if name != "whole_in":

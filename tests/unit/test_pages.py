@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 import pages
 
 from wedmcam import machines
-from wedmcam.cli.explain import examples, explained
+from wedmcam.cli.commands.explain import examples, explain_code
 from wedmcam.diag import CODES
 from wedmcam.machines.write import as_toml, entries
 
@@ -46,7 +46,7 @@ def test_every_code_is_used():
 
 def test_every_code_explains_itself():
     for code in CODES:
-        text = explained(code)
+        text = explain_code(code)
         assert text.startswith(f"{code}\n  what ")
         if "run" in examples()[code]:
             assert f"[{code}]: " in text

@@ -12,7 +12,7 @@ import pytest
 
 from drawings import drawing
 from wedmcam import api, machines
-from wedmcam.cli import say
+from wedmcam.cli import outputs
 from wedmcam.diag import EntityRef, TextSpan
 from wedmcam.ir.program import Kind
 from wedmcam.options import Options
@@ -121,7 +121,7 @@ def test_the_map_is_of_the_file_and_goes_from_end_to_end():
         line, column = map(int, row["where"].split(":"))
         assert column == 1
         assert lines[line - 1].startswith("B") == (row["role"] != "control")
-    assert json.loads(say.map_bytes(told)) == told
+    assert json.loads(outputs.map_bytes(told)) == told
 
 
 def test_copies_are_numbered():

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from wedmcam.cli.tell import tell
-
-if TYPE_CHECKING:
-    from wedmcam.machines import Machine
+from wedmcam.cli.terminal import print_text
+from wedmcam.machines import Machine
+from wedmcam.reports.stages import STAGES, stage_text
 
 dump_option = click.option(
     "--dump-after",
@@ -25,8 +24,6 @@ class Observer:
     """Keeps what was asked for of each stage, and the time since the one before."""
 
     def __init__(self, stages: tuple[str, ...]) -> None:
-        from wedmcam.reports.stages import STAGES
-
         self._shown = [(name, STAGES[name]) for name in dict.fromkeys(stages)]
         self._values: dict[str, Any] = {}
         self._seconds: dict[str, float] = {}
@@ -40,17 +37,15 @@ class Observer:
         if any(stage == source for _, source in self._shown):
             self._values[stage] = value
 
-    def tell_stages(self, machine: Machine) -> None:
+    def print_stages(self, machine: Machine) -> None:
         """Print the stages that were asked for, as far as the compile came."""
-        from wedmcam.reports.stages import stage_text
-
         for name, source in self._shown:
             if source in self._values:
-                tell(stage_text(name, self._values[source], machine.stepping), nl=False)
+                print_text(stage_text(name, self._values[source], machine.stepping), nl=False)
             else:
-                tell(f"{name}: the compile did not come so far", err=True)
+                print_text(f"{name}: the compile did not come so far", err=True)
 
-    def tell_times(self) -> None:
+    def print_times(self) -> None:
         """Print how long each stage took."""
         parts = ", ".join(f"{stage} {1000 * s:.0f}" for stage, s in self._seconds.items())
-        tell(f"stages     {parts} ms", err=True)
+        print_text(f"stages     {parts} ms", err=True)

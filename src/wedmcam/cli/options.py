@@ -14,7 +14,7 @@ import click
 from click.core import ParameterSource
 
 from wedmcam.cli.lengths import CUTS, OFFSET, POINT, UNIT, Length, OfLayer
-from wedmcam.cli.tell import tell
+from wedmcam.cli.terminal import print_text
 from wedmcam.option_table import ROWS, Kind, Panel, Row, field_rows, rows_of
 
 if TYPE_CHECKING:
@@ -235,7 +235,7 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
     """
     from wedmcam import api, machines
     from wedmcam.cli.files import Failed, read_input
-    from wedmcam.cli.say import say_findings
+    from wedmcam.cli.terminal import print_findings
     from wedmcam.diag.run import WrongUse
 
     if profile is None or (profile in machines.names()):
@@ -249,7 +249,7 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
     except UnicodeDecodeError:
         raise WrongUse(f"{profile}: not UTF-8") from None
     machine, found = machines.of_file(text, profile)
-    say_findings(found, profile, texts={profile: text})
+    print_findings(found, profile, texts={profile: text})
     if machine is None:
         raise WrongUse(f"{profile}: this profile cannot be used")
     return api.machine_for(to, machine)
@@ -337,7 +337,7 @@ def warn_of_idle(names: Set[str], why: str) -> None:
     for option in context.command.params:
         typed = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
         if option.name in names and typed:
-            tell(f"warning: {option.opts[0]} has no effect: {why}", err=True)
+            print_text(f"warning: {option.opts[0]} has no effect: {why}", err=True)
 
 
 def warn_of_name(output: str, format_: str) -> None:
@@ -346,4 +346,4 @@ def warn_of_name(output: str, format_: str) -> None:
 
     named = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
     if named is not None and named != format_:
-        tell(f"warning: the name {output} says {named}, but {format_} is written", err=True)
+        print_text(f"warning: the name {output} says {named}, but {format_} is written", err=True)

@@ -2,89 +2,86 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from wedmcam.cli import options as ask
-from wedmcam.cli.files import check_outputs, read_input, write_outputs
-from wedmcam.cli.pictures import picture, write_refused
+from wedmcam.cli import report
+from wedmcam.cli.files import check_outputs, write_outputs
+from wedmcam.cli.outputs import Outputs, program_files, write_refused
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.tell import tell
+from wedmcam.cli.source import Source, read_source
+from wedmcam.cli.terminal import print_findings, print_json, print_text
+from wedmcam.compiler.results import Compilation
 from wedmcam.machines import Machine
+from wedmcam.operations.split import compile_loads, moves, numbered
+from wedmcam.programs.places import with_time
 
 
-def compile_split(
-    input_: str,
-    machine: Machine,
-    output: str,
-    certificate: str | None,
-    plot: str | None,
-    map_: str | None,
-    feed: float | None,
-    asked: dict[str, Any],
-) -> int:
+def compile_split(input_: str, machine: Machine, outputs: Outputs, params: dict[str, Any]) -> int:
     """Compile, and write one file a load; all are written or none.
 
     Certificates, pictures and maps are numbered like the programs. --json prints a line a load.
     """
-    from wedmcam import api
-    from wedmcam.cli import say
-    from wedmcam.operations.split import compile_loads, moves, numbered
-
-    ask.check_source(input_, asked["from_"])
-    options = ask.options_of(asked)
-    data = read_input(input_)
-    name = "stdin" if input_ == "-" else input_
-    with waiting(f"compiling {name}"):
+    source = read_source(input_, params)
+    with waiting(f"compiling {source.name}"):
         loads = compile_loads(
-            data,
+            source.data,
             profile=machine,
-            name=name,
-            output_name=output,
-            options=options,
-            named=bool(asked["profile"]),
+            name=source.name,
+            output_name=outputs.program,
+            options=source.options,
+            named=bool(params["profile"]),
         )
-    several = len(loads) > 1
-    files: list[tuple[str, bytes]] = []
-    for k, made in enumerate(loads, 1):
-        say.say_findings(made.findings, name, asked["quiet"], {name: data, **options.texts})
-        if not made.ok:
-            if plot is not None:
-                write_refused(made, Path(name).name, plot, name)
-            tell("no program was written", err=True)
-            if asked["json_"]:
-                say.say_json(made.summary)
-            return int(made.status)
-        assert made.data is not None
-
-        def place(of: str, k: int = k) -> str:
-            return numbered(of, k) if several else of
-
-        files.append((place(output), made.data))
-        if certificate is not None:
-            files.append((place(certificate), say.certificate_bytes(made.summary)))
-        if plot is not None:
-            drawn = picture(made, Path(place(output)).name, plot)
-            files.append((place(plot), drawn))
-        if map_ is not None:
-            files.append((place(map_), say.map_bytes(api.source_map(made))))
-    check_outputs([input_], [file for file, _ in files])
+    each = [outputs]
+    if len(loads) > 1:
+        each = [outputs.renamed(partial(numbered, number=k + 1)) for k in range(len(loads))]
+    files = []
+    for load, names in zip(loads, each, strict=True):
+        print_findings(load.findings, source.name, params["quiet"], source.texts)
+        if not load.ok:
+            return _report_refused(load, outputs, source, params["json_"])
+        assert load.data is not None
+        files += program_files(load, names, load.data)
+    check_outputs([input_], [name for name, _ in files])
     write_outputs(files)
-    between = [None, *moves(loads)]
-    for k, (made, moved) in enumerate(zip(loads, between, strict=True), 1):
-        where = numbered(output, k) if several else output
-        if not asked["quiet"]:
-            if moved is not None:
-                dx, dy = (v / 1000 for v in moved["move_um"])
-                x, y = (v / 1000 for v in moved["start_um"])
-                tell(
-                    f"move       wire cut, from the end of load {k - 1} by ({dx:.3f}, {dy:.3f}) mm "
-                    f"to the thread point ({x:.3f}, {y:.3f}) mm of load {k}",
-                    err=True,
-                )
-            say.say_report(made, where, asked["verbose"])
-            say.say_time(made.summary, feed)
-        if asked["json_"]:
-            more = {} if moved is None else {"move_um": moved["move_um"]}
-            say.say_json({**say.with_time(made.summary, feed), "load": k, **more})
+    _report_loads(loads, each, params)
     return 0
+
+
+def _report_refused(load: Compilation, outputs: Outputs, source: Source, json_: bool) -> int:
+    """Draw the load that is refused, where a picture is asked for; say that nothing was written."""
+    if outputs.plot is not None:
+        write_refused(load, Path(source.name).name, outputs.plot, source.name)
+    print_text("no program was written", err=True)
+    if json_:
+        print_json(load.summary)
+    return int(load.status)
+
+
+def _report_loads(
+    loads: tuple[Compilation, ...], each: list[Outputs], params: dict[str, Any]
+) -> None:
+    """Print what each load is, and how the table is moved to it."""
+    feed = ask.feed_of(params)
+    between = [None, *moves(loads)]
+    for k, (load, names, move) in enumerate(zip(loads, each, between, strict=True), 1):
+        if not params["quiet"]:
+            if move is not None:
+                _print_move(move, k)
+            report.print_report(load, names.program, params["verbose"])
+            report.print_time(load.summary, feed)
+        if params["json_"]:
+            more = {} if move is None else {"move_um": move["move_um"]}
+            print_json({**with_time(load.summary, feed), "load": k, **more})
+
+
+def _print_move(move: dict[str, Any], load: int) -> None:
+    dx, dy = (v / 1000 for v in move["move_um"])
+    x, y = (v / 1000 for v in move["start_um"])
+    print_text(
+        f"move       wire cut, from the end of load {load - 1} by ({dx:.3f}, {dy:.3f}) mm "
+        f"to the thread point ({x:.3f}, {y:.3f}) mm of load {load}",
+        err=True,
+    )

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from wedmcam.cli.tell import tell
-
-if TYPE_CHECKING:
-    from wedmcam.frontends.identify import Identification
-    from wedmcam.ir.program import Program
-    from wedmcam.machines import Machine
+from wedmcam import machines
+from wedmcam.cli.terminal import print_text
+from wedmcam.frontends.identify import Identification
+from wedmcam.ir.program import Program
+from wedmcam.machines import Machine
+from wedmcam.programs.rows import dump
 
 
 def identification(seen: Identification) -> dict[str, Any]:
@@ -21,8 +21,6 @@ def identification(seen: Identification) -> dict[str, Any]:
 
 def memory_of(seen: Identification) -> str:
     """Return where the data of a binary program end, and how much of the memory they take."""
-    from wedmcam import machines
-
     if seen.last_address is None or seen.format not in ("compact", "rotation", "compensation"):
         return ""
     used, memory = seen.last_address + 1, machines.default(seen.format).limits.memory_bytes
@@ -31,15 +29,11 @@ def memory_of(seen: Identification) -> str:
 
 def dump_rows(program: Program, machine: Machine) -> list[dict[str, Any]]:
     """Return the blocks of a program as plain data."""
-    from wedmcam.programs.rows import dump
-
     return [asdict(row) for row in dump(program, machine)]
 
 
 def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
     """Yield the blocks of a program as a table."""
-    from wedmcam.programs.rows import dump
-
     axes = machine.axes
     if not axes.plain:
         turned = replace(axes, step_um=1.0).said
@@ -73,7 +67,7 @@ def _at(values: list[float]) -> str:
     return f"({values[0]:.3f}, {values[1]:.3f})"
 
 
-def say_inspection(f: dict[str, Any], verbose: bool) -> None:
+def print_inspection(f: dict[str, Any], verbose: bool) -> None:
     """Print the facts of a drawing."""
     rows = [
         ("file", f"{f['input']}  {f['version']}"),
@@ -114,15 +108,15 @@ def say_inspection(f: dict[str, Any], verbose: bool) -> None:
             text += f", limited by {what} at {_at(largest['at_mm'])}  {largest['where'] or ''}"
         rows.append(("offset up to", text.rstrip()))
     for name, text in rows:
-        tell(f"{name:13}{text}")
+        print_text(f"{name:13}{text}")
     listed = f["list"] if verbose else f["list"][:20]
     for c in listed:
         inside = f" in {c['inside']}" if c["inside"] else ""
         area = f", {c['area_mm2']:.3f} mm2" if c["area_mm2"] is not None else ""
-        tell(
+        print_text(
             f"{c['number']:5d} {c['role']}{inside}: {c['lines']} lines, {c['arcs']} arcs, "
             f"{c['length_mm']:.3f} mm{area}, {_at(c['extents_mm'][:2])} to "
             f"{_at(c['extents_mm'][2:])}  {c['first'] or ''}"
         )
     if len(f["list"]) > len(listed):
-        tell(f"      and {len(f['list']) - len(listed)} more (-v lists all)")
+        print_text(f"      and {len(f['list']) - len(listed)} more (-v lists all)")

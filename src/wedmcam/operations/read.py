@@ -17,7 +17,7 @@ from wedmcam.machines import Machine
 from wedmcam.operations.profiles import reader_machine
 from wedmcam.targets import Entries, target_of
 
-#: Why a program is neither compared nor converted whose controller moves the wire by a gap.
+#: Why a program whose controller makes the path is neither proven nor converted without its gap.
 NO_GAP = "no gap is given: by how much the wire runs beside the outline is nowhere said"
 
 

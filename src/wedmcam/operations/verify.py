@@ -377,13 +377,8 @@ def _no_gap(
     found = [] if stated else target.unstated(decoded)
     if against is None or not found:
         return found
-    return [
-        error(
-            "no-gap",
-            NO_GAP,
-            hint="--offset 0.1mm, the gap that is entered at the controller; --side on for none",
-        )
-    ]
+    hint = "--offset 0.1mm, the gap that is entered at the controller; --side on for none"
+    return [error("no-gap", NO_GAP, hint=hint)]
 
 
 def _options_issued(

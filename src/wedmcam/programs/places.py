@@ -7,6 +7,8 @@ found by where they lie.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -88,3 +90,11 @@ def minutes(path_mm: float, feed_um: float) -> float:
     48.0
     """
     return round(1000.0 * path_mm / feed_um, 2)
+
+
+def with_time(summary: dict[str, Any], feed_um: float | None) -> dict[str, Any]:
+    """Return a summary with its path's cutting time in minutes, where a feed is given."""
+    path = summary.get("path_mm")
+    if feed_um is None or path is None:
+        return summary
+    return {**summary, "feed_mm_per_min": feed_um / 1000, "minutes": minutes(path, feed_um)}

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
 from wedmcam.cli import options as ask
-from wedmcam.cli.files import check_outputs, read_input, write_outputs
+from wedmcam.cli.files import read_input, shown_name, write_outputs
 from wedmcam.cli.lengths import DEGREES, length
+from wedmcam.cli.outputs import check_names, check_terminal, print_nothing_written
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.settings import ReadsPrograms, also_read, machine_for, profile_for
-from wedmcam.cli.tell import tell
+from wedmcam.cli.settings import ReadsPrograms, machine_for, profile_for
+from wedmcam.cli.terminal import print_findings, print_json, print_text
+from wedmcam.formats.names import FORMAT_OF_SUFFIX
+from wedmcam.judge.certificate import finding_data
+from wedmcam.machines import Machine
+from wedmcam.operations.convert import OUTPUTS, Conversion, convert, output_of
+from wedmcam.targets import Entries
 
 
 @click.command("convert", cls=ReadsPrograms)
@@ -58,7 +63,7 @@ def convert_command(
     json_: bool,
     strict: bool,
     quiet: bool,
-    **asked: Any,
+    **params: Any,
 ) -> int:
     """One program format into another, from the path that its controller steps.
 
@@ -66,30 +71,19 @@ def convert_command(
     status: 0 done, 1 the program cannot be read or the other format cannot state it, 3 the paths
     differ.
     """
-    from wedmcam.cli import say
-    from wedmcam.operations import convert as conversion
-    from wedmcam.targets import Entries, target_of
-
-    target = to if to in conversion.OUTPUTS else None if to else conversion.output_of(output)
-    machine = None
-    if target is None:
-        profile = profile or _set_profile(output, to)
-        named = ask.machine_of(profile, None) if profile else None
-        machine = ask.machine_of(profile, ask.format_of(output, to, named))
-        ask.warn_of_name(output, machine.format)
+    target, machine, profile = _target(output, to, profile)
     if machine is None or not machine.iso.feed_um:
         which = f"the profile {machine.name}" if machine else f"a {target} file"
         ask.warn_of_idle({"feed_um"}, f"{which} holds no F")
     machine_in = machine_for(program, profile_in, format_)
-    check_outputs([program, *also_read(click.get_current_context())], [output])
+    check_names([program], [output])
     if output == "-" and json_:
         raise click.UsageError("--json and the program cannot both be standard output")
-    if output == "-" and machine and not target_of(machine).is_text and sys.stdout.isatty():
-        raise click.UsageError("a binary program is not for a terminal: give -o FILE")
-    name = "stdin" if program == "-" else program
-    data = read_input(program)
+    if machine is not None:
+        check_terminal(output, machine)
+    data, name = read_input(program), shown_name(program)
     with waiting(f"converting {name}"):
-        made = conversion.convert(
+        conversion = convert(
             data,
             to=target or (machine.format if machine else None),
             profile=machine if profile else None,
@@ -99,60 +93,71 @@ def convert_command(
             strict=strict,
             entered=Entries(copies, angle, gap_um, side == "part", d),
             feed_um=feed_um,
-            **ask.answers_of(asked),
+            **ask.answers_of(params),
         )
-    say.say_findings(made.findings, name, quiet)
-    if made.data is None:
-        if Path(output).exists() and output != "-":
-            tell(f"nothing was written; {output} is as it was", err=True)
-        else:
-            tell("nothing was written", err=True)
+    print_findings(conversion.findings, name, quiet)
+    if conversion.data is None:
+        print_nothing_written(output)
     else:
-        write_outputs([(output, made.data)])
+        write_outputs([(output, conversion.data)])
         if not quiet:
             as_set = machine_in is not None and not (profile_in or format_)
-            read_as = f"; read as {made.machine_in.name}" if as_set else ""
-            tell(_line(made, output, target) + read_as, err=True)
+            read_as = f"; read as {conversion.machine_in.name}" if as_set else ""
+            print_text(_line(conversion, output, target) + read_as, err=True)
     if json_:
-        say.say_json(_summary(made, program, output, target))
-    return made.status
+        print_json(_summary(conversion, program, output, target))
+    return conversion.status
+
+
+def _target(
+    output: str, to: str | None, profile: str | None
+) -> tuple[str | None, Machine | None, str | None]:
+    """Return the target that is no program, else the machine and the profile that names it."""
+    target = to if to in OUTPUTS else None if to else output_of(output)
+    if target is not None:
+        return target, None, profile
+    profile = profile or _set_profile(output, to)
+    named = ask.machine_of(profile, None) if profile else None
+    machine = ask.machine_of(profile, ask.format_of(output, to, named))
+    ask.warn_of_name(output, machine.format)
+    return None, machine, profile
 
 
 def _set_profile(output: str, to: str | None) -> str | None:
     """Return the profile that a settings file gives for the format of the output, if any."""
-    from wedmcam.formats.names import FORMAT_OF_SUFFIX
-
     setting = profile_for(to or FORMAT_OF_SUFFIX.get(Path(output).suffix.lower()))
     return setting.value if setting else None
 
 
-def _line(made: Any, output: str, target: str | None) -> str:
-    size = f"{len(made.data)} bytes"
+def _line(conversion: Conversion, output: str, target: str | None) -> str:
+    machine, program, difference = conversion.machine, conversion.program_out, conversion.difference
+    size = f"{len(conversion.data or b'')} bytes"
     if target == "wed":
         return f"{output}: {size}; it compiles to the same path within 1 um"
-    if made.machine is None or made.difference is None:
+    if machine is None or program is None or difference is None:
         return f"{output}: {size}"
     return (
-        f"{output}: {made.machine.format} ({made.machine.name}), "
-        f"{len(made.program_out.blocks)} blocks, {size}; the same path, "
-        f"at most {made.difference.largest_um:.2f} um apart"
+        f"{output}: {machine.format} ({machine.name}), {len(program.blocks)} blocks, "
+        f"{size}; the same path, at most {difference.largest_um:.2f} um apart"
     )
 
 
-def _summary(made: Any, program: str, output: str, target: str | None) -> dict[str, Any]:
-    from wedmcam.judge.certificate import finding_data
-
-    apart = made.difference
+def _summary(
+    conversion: Conversion, program: str, output: str, target: str | None
+) -> dict[str, Any]:
+    apart = conversion.difference
     return {
         "input": program,
-        "output": output if made.ok else None,
-        "format_in": made.machine_in.format,
-        "profile_in": made.machine_in.name,
-        "format": made.machine.format if made.machine else target,
-        "profile": made.machine.name if made.machine else None,
-        "blocks_in": len(made.program.blocks) if made.program is not None else None,
-        "blocks": len(made.program_out.blocks) if made.program_out is not None else None,
+        "output": output if conversion.ok else None,
+        "format_in": conversion.machine_in.format,
+        "profile_in": conversion.machine_in.name,
+        "format": conversion.machine.format if conversion.machine else target,
+        "profile": conversion.machine.name if conversion.machine else None,
+        "blocks_in": len(conversion.program.blocks) if conversion.program is not None else None,
+        "blocks": len(conversion.program_out.blocks)
+        if conversion.program_out is not None
+        else None,
         "largest_um": round(apart.largest_um, 3) if apart and apart.equal else None,
-        "diagnostics": [finding_data(d) for d in made.findings],
-        "ok": made.ok,
+        "diagnostics": [finding_data(d) for d in conversion.findings],
+        "ok": conversion.ok,
     }

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from wedmcam.cli.tell import tell
-
-if TYPE_CHECKING:
-    from wedmcam.diag import Diagnostic
-    from wedmcam.machines import Machine
+from wedmcam import machines, probe
+from wedmcam.cli.files import check_outputs, read_input, shown_name, write_outputs
+from wedmcam.cli.terminal import print_findings, print_json, print_text
+from wedmcam.diag import Diagnostic, FileSpan, error
+from wedmcam.diag.run import WrongUse
+from wedmcam.formats.names import FORMAT_OF_SUFFIX
+from wedmcam.judge.certificate import finding_data
+from wedmcam.machines import Machine
+from wedmcam.machines.write import as_toml, entries
 
 JSON = click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 
@@ -25,9 +29,6 @@ def profile_group() -> None:
 @JSON
 def profile_list(json_: bool) -> int:
     """The built-in profiles."""
-    from wedmcam import machines
-    from wedmcam.cli import say
-
     rows = [
         {
             "name": name,
@@ -39,11 +40,11 @@ def profile_list(json_: bool) -> int:
         for machine in (machines.builtin(name),)
     ]
     if json_:
-        say.say_json(rows)
+        print_json(rows)
         return 0
     for row in rows:
         mark = " (default)" if row["default"] else ""
-        tell(f"{row['name']:18}  {row['format']:12}  {row['title']}{mark}")
+        print_text(f"{row['name']:18}  {row['format']:12}  {row['title']}{mark}")
     return 0
 
 
@@ -52,22 +53,19 @@ def profile_list(json_: bool) -> int:
 @JSON
 def profile_show(name: str, json_: bool) -> int:
     """A profile as TOML: every value in force, with its meaning; to start one of your own from."""
-    from wedmcam.cli import say
-    from wedmcam.machines.write import as_toml, entries
-
-    machine, found, text = _read(name)
-    say.say_findings(found, name, texts={name: text})
+    machine, findings, text = _read(name)
+    print_findings(findings, name, texts={name: text})
     if machine is None:
         return 2
     if not json_:
-        tell(as_toml(machine), nl=False)
+        print_text(as_toml(machine), nl=False)
         return 0
     tables: dict[str, dict[str, Any]] = {}
     for entry in entries(machine):
         table = tables.setdefault(entry.section, {})
         if entry.key:  # a class without words has none
             table[entry.key] = entry.value
-    say.say_json({"name": machine.name, **tables.pop("", {}), **tables})
+    print_json({"name": machine.name, **tables.pop("", {}), **tables})
     return 0
 
 
@@ -76,17 +74,19 @@ def profile_show(name: str, json_: bool) -> int:
 @JSON
 def profile_check(file: str, json_: bool) -> int:
     """Whether a profile can be used; everything that is wrong with it at once."""
-    from wedmcam.cli import say
-
-    machine, found, text = _read(file)
-    say.say_findings(found, file, texts={file: text})
+    machine, findings, text = _read(file)
+    print_findings(findings, file, texts={file: text})
     if json_:
-        from wedmcam.judge.certificate import finding_data
-
-        told = {"file": file, "ok": machine is not None, "name": machine.name if machine else None}
-        say.say_json({**told, "diagnostics": [finding_data(d) for d in found]})
+        print_json(
+            {
+                "file": file,
+                "ok": machine is not None,
+                "name": machine.name if machine else None,
+                "diagnostics": [finding_data(d) for d in findings],
+            }
+        )
     elif machine is not None:
-        tell(f"{file}: {machine.format}, {machine.title}")
+        print_text(f"{file}: {machine.format}, {machine.title}")
     return 0 if machine is not None else 2
 
 
@@ -106,31 +106,16 @@ def profile_probe(output: str | None, profile: str, read_: str | None) -> int:
     """
     if (output is None) == (read_ is None):
         raise click.UsageError("give -o FILE.3b, or --read SHEET")
-    return _probe_read(read_) if read_ is not None else _probe_written(str(output), profile)
+    return _read_probe(read_) if read_ is not None else _write_probe(str(output), profile)
 
 
-def _probe_written(output: str, profile: str) -> int:
-    from wedmcam import probe
-    from wedmcam.cli import say
-    from wedmcam.cli.files import check_outputs, write_outputs
-    from wedmcam.diag.run import WrongUse
-    from wedmcam.formats.names import FORMAT_OF_SUFFIX
-
-    machine, found, text = _read(profile)
-    say.say_findings(found, profile, texts={profile: text})
+def _write_probe(output: str, profile: str) -> int:
+    """Write the programs of the probe and its sheet; return the exit status."""
+    machine, findings, text = _read(profile)
+    print_findings(findings, profile, texts={profile: text})
     if machine is None:
         return 2
-    if not machine.is_of("3b"):
-        why = (
-            "an ISO block states where it ends, and its reader goes there"
-            if machine.is_of("iso")
-            else "the ZD-065's line table and counting are published: its profiles have them"
-        )
-        raise WrongUse(f"the probe is a program in 3B, not in {machine.format}: {why}")
-    if output == "-" or Path(output).suffix.lower() == ".txt":
-        raise WrongUse("the probe is several files: give -o NAME.3b")
-    if FORMAT_OF_SUFFIX.get(Path(output).suffix.lower(), "3b") != "3b":
-        raise WrongUse(f"the probe is a program in 3B, and {output} has the name of another format")
+    _check_probe(output, machine)
     stem = Path(output).with_suffix("")
     names = {
         part: output if part == "main" else f"{stem}-{part}{Path(output).suffix}"
@@ -145,44 +130,54 @@ def _probe_written(output: str, profile: str) -> int:
     check_outputs([], [name for name, _ in files])
     write_outputs(files)
     for part, name in names.items():
-        box = (v * machine.axes.step_um / 1000 for v in probe.extents(part))
-        x0, y0, x1, y1 = box
-        tell(f"{name}  needs x {x0:g} to {x1:g}, y {y0:g} to {y1:g} mm around the start")
-    tell(f"{stem}.txt  the sheet: fill it in, then wedmcam profile probe --read {stem}.txt")
+        x0, y0, x1, y1 = (v * machine.axes.step_um / 1000 for v in probe.extents(part))
+        print_text(f"{name}  needs x {x0:g} to {x1:g}, y {y0:g} to {y1:g} mm around the start")
+    print_text(f"{stem}.txt  the sheet: fill it in, then wedmcam profile probe --read {stem}.txt")
     return 0
 
 
-def _probe_read(name: str) -> int:
-    from wedmcam import probe
-    from wedmcam.cli import say
-    from wedmcam.cli.files import read_input
+def _check_probe(output: str, machine: Machine) -> None:
+    """Refuse a machine that the probe is not for, and names that it cannot have.
 
+    Raises:
+        WrongUse: exit status 2.
+    """
+    if not machine.is_of("3b"):
+        why = (
+            "an ISO block states where it ends, and its reader goes there"
+            if machine.is_of("iso")
+            else "the ZD-065's line table and counting are published: its profiles have them"
+        )
+        raise WrongUse(f"the probe is a program in 3B, not in {machine.format}: {why}")
+    if output == "-" or Path(output).suffix.lower() == ".txt":
+        raise WrongUse("the probe is several files: give -o NAME.3b")
+    if FORMAT_OF_SUFFIX.get(Path(output).suffix.lower(), "3b") != "3b":
+        raise WrongUse(f"the probe is a program in 3B, and {output} has the name of another format")
+
+
+def _read_probe(name: str) -> int:
+    """Print what a sheet says of a controller; return the exit status."""
     text = read_input(name).decode("utf-8", "replace")
-    readings, found = probe.read_sheet(text, name)
-    told, more = probe.answers(readings, name)
-    say.say_findings([*found, *more], name, texts={name: text})
-    if told or readings.moved:
-        tell("# Of a profile: start one with `wedmcam profile show b3-compact`.")
-        tell(probe.toml(told, readings.moved), nl=False)
-    elif not found and not more:
+    readings, findings = probe.read_sheet(text, name)
+    keys, more = probe.answers(readings, name)
+    print_findings([*findings, *more], name, texts={name: text})
+    if keys or readings.moved:
+        print_text("# Of a profile: start one with `wedmcam profile show b3-compact`.")
+        print_text(probe.toml(keys, readings.moved), nl=False)
+    elif not findings and not more:
         raise click.UsageError(f"{name}: nothing is filled in")
-    return 1 if found or more else 0
+    return 1 if findings or more else 0
 
 
 def _read(name: str) -> tuple[Machine | None, list[Diagnostic], str | None]:
     """Return a profile by name or of a file, what is wrong with it, and the file's text."""
-    from wedmcam import machines
-    from wedmcam.cli.files import read_input
-
     looks_like_a_file = name == "-" or Path(name).suffix.lower() == ".toml" or Path(name).exists()
     if name in machines.names() or not looks_like_a_file:
-        machine, found = machines.find(name)
-        return machine, found, None
+        machine, findings = machines.find(name)
+        return machine, findings, None
     try:
         text = read_input(name).decode("utf-8")
     except UnicodeDecodeError:
-        from wedmcam.diag import FileSpan, error
-
         return None, [error("profile-syntax", "not UTF-8", FileSpan(name))], None
-    machine, found = machines.of_file(text, "stdin" if name == "-" else name)
-    return machine, found, text
+    machine, findings = machines.of_file(text, shown_name(name))
+    return machine, findings, text

@@ -21,7 +21,7 @@ from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.transforms.outlines.grid import Grid, gridded
-from wedmcam.transforms.outlines.starts import foot_of, opened, started
+from wedmcam.transforms.outlines.starts import foot_of, opened, start_beside
 
 #: A pause may stand so far from where it was asked for, um; the judge allows 5.
 PAUSE_UM = 3.0
@@ -30,7 +30,7 @@ Blocks = NDArray[np.void]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Written:
+class Outlines:
     """Outlines as a writer takes them.
 
     Attributes:
@@ -51,23 +51,23 @@ def numbers(plan: Plan, first: int) -> dict[int, float]:
     return {first + k: offset for k, offset in enumerate(offsets)}
 
 
-def written(
+def write_outlines(
     plan: Plan,
     lowered: Program,
     places: Ints,
     grid: Grid,
     table: dict[int, float],
     not_again: Sequence[tuple[int, int, int, int]] = (),
-) -> tuple[Written | None, list[Diagnostic]]:
+) -> tuple[Outlines | None, list[Diagnostic]]:
     """Return the outlines of a plan on the grid, in cutting order, with the moves between them.
 
     Args:
-        plan: whose paths start where `started` put them.
+        plan: whose paths start where `start_beside` put them.
         lowered: the same as stepped blocks; cuts without an offset are taken from there.
         places: where its blocks end, um, shape (blocks, 2).
         grid: of the format.
         table: D numbers.
-        not_again: rows of ``Written.chosen`` that turned out badly.
+        not_again: rows of ``Outlines.chosen`` that turned out badly.
     """
     number = {offset: d for d, offset in table.items()}
     found: list[Diagnostic] = []
@@ -135,13 +135,13 @@ class _Out:
         self.runs.append(rows)
         self.chosen.append(chosen)
 
-    def done(self, origin: tuple[int, int]) -> Written:
+    def done(self, origin: tuple[int, int]) -> Outlines:
         motions = np.concatenate(self.runs) if self.runs else np.zeros(0, PROGRAMMED)
         program = Program(np.concatenate(self.blocks), origin)
         mark = np.array(self.mark, np.int64)
         ends = np.array(self.ends).reshape(-1, 2)
         chosen = np.concatenate(self.chosen) if self.chosen else np.zeros((0, 4), np.int64)
-        return Written(Programmed(program, mark, motions), ends, chosen)
+        return Outlines(Programmed(program, mark, motions), ends, chosen)
 
 
 def _refused(cut: Cut, code: str, what: str, hint: str) -> list[Diagnostic]:
@@ -308,4 +308,4 @@ def _segments(rows: Blocks) -> Segments:
     return seg.make(x0, y0, x1, y1, cx, cy, rows["turn"].astype(np.int8))
 
 
-__all__ = ["Grid", "Written", "numbers", "started", "written"]
+__all__ = ["Grid", "Outlines", "numbers", "start_beside", "write_outlines"]

@@ -38,7 +38,7 @@ NEAR_UM = 0.02
 CIRCLE_UM = 0.2
 
 
-def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
+def start_beside(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
     """Return the plan with every closed path starting beside a segment, not round a corner.
 
     A controller puts the wire on the normal of the first block, and takes it off on that of the

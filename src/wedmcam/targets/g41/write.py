@@ -1,31 +1,28 @@
-"""Programs whose path depends on the controller's table of offsets: G41 and G42 D.
+"""Outlines of a plan as an ISO program with G41 and G42, on the places of the grid that hold.
 
-The reader gives outlines, `transforms.controlled` says what the controller makes of them; here the
-two meet, with the table that the operator enters.
+Outline and path are both rounded. So a program is read back as the judge will read it, and where
+the controller's path strays, other places of the grid are tried (`transforms.outlines`): a search
+by the judge, and the bytes that are found are judged again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors, note
+from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.options import Options, WrongUse
 from wedmcam.targets.entries import Entries
-from wedmcam.targets.stated import Iso
+from wedmcam.targets.g41.read import decode
 
 if TYPE_CHECKING:
-    from wedmcam.frontends.iso.dialect import Dialect
-    from wedmcam.frontends.iso.modes import Table
-    from wedmcam.transforms.lower import Rules
-    from wedmcam.transforms.outlines import Grid, Written
+    from wedmcam.transforms.outlines import Grid, Outlines
 
 #: How often other places of the grid are tried where the path would stray too far.
 ROUNDS = 12
@@ -36,122 +33,8 @@ FAR = frozenset({"path-deviation", "gouge", "not-closed"})
 #: What helps where the controller cannot offset an outline.
 OTHER = "a profile that states the path itself (iso-um, iso-mm), or another offset"
 
-#: What was chosen for a motion: a row of `transforms.outlines.Written.chosen`.
+#: What was chosen for a motion: a row of `transforms.outlines.Outlines.chosen`.
 Choice = tuple[int, int, int, int]
-
-
-def decode(
-    data: bytes,
-    machine: Machine,
-    file: str,
-    table: Table | None = None,
-    dialect: Dialect | None = None,
-    assumed: bool = False,
-) -> tuple[Program, list[Diagnostic]]:
-    """Return the cutting program that an ISO file means to a controller with these offsets.
-
-    Args:
-        data: any bytes; never raises.
-        machine: an ISO profile.
-        file: name for the spans.
-        table: D number -> offset, um; None to refuse G41 and G42.
-        dialect: what is said beside the file; None: it is of this machine.
-        assumed: the table is that of a drawing: one in the file wins.
-    """
-    from wedmcam.frontends.axes import to_drawing
-    from wedmcam.frontends.iso import read
-
-    step = machine.axes.step_um  # what follows is in steps of the machine
-    steps = table if table is None or step == 1 else _in_steps(table, step)
-    made, found = read(data, machine, file, steps, dialect, assumed)
-    program = made.program
-    if len(made.motions) and not has_errors(found):
-        from wedmcam.transforms.controlled import applied
-
-        # The controller offsets in its own frame: a mirror turns left and right around.
-        done, more = applied(made, rules_of(machine))
-        program, found = (program if done is None else done), [*found, *more]
-    return to_drawing(program, machine.axes), found
-
-
-def _in_steps(table: Table, step_um: float) -> Table:
-    def steps(number: int) -> float | None:
-        um = table(number)
-        return None if um is None else um / step_um
-
-    return steps
-
-
-class Offsetting(Iso):
-    """A controller that offsets outlines by itself: G41, G42 and D numbers."""
-
-    makes_path = True
-    moves_starts = True
-    needs_lead = "G41 and G42 are taken up on a lead, and there is none in the kerf"
-
-    @property
-    def advice(self) -> tuple[Diagnostic, ...]:
-        """See `Target`."""
-        return (
-            note(
-                "not-reachable",
-                "the outline and the path of the controller are both rounded to its grid: some "
-                "places come out farther from the path than is allowed",
-                hint="a profile with more digits (iso-g41-mm), or one that does not leave the "
-                "offset to the controller",
-            ),
-        )
-
-    def place_starts(self, plan: Plan) -> tuple[Plan | None, Sequence[Diagnostic]]:
-        """Beside a segment: it is particular about where paths start."""
-        from wedmcam.transforms import outlines
-
-        behind = [cut for cut in plan.cuts if cut.offset_um < 0]
-        if behind:
-            um = -behind[0].offset_um / 1000
-            what = (
-                f"the clearance puts the wire {um:.3f} mm behind the line: no D number is below 0"
-            )
-            hint = "a profile that does not leave the offset to the controller"
-            return None, [error("not-reachable", what, behind[0].path.source_of(0), hint=hint)]
-        return outlines.started(plan, grid_of(self.machine))
-
-    def entered(self, options: Options, plan: Plan | None = None) -> Entries:
-        """See `Iso.entered`; of a plan with several offsets the D numbers that a compile states."""
-        said = super().entered(options, plan)
-        if said.d or said.every_um is not None or plan is None:
-            return said
-        return self.entries(plan) if all(cut.offset_um for cut in plan.cuts) else said
-
-    def entries(self, plan: Plan) -> Entries:
-        """A number for each offset."""
-        from wedmcam.transforms import outlines
-
-        twice = float(self.machine.iso.entry_factor)
-        offsets = outlines.numbers(plan, self.machine.iso.d)
-        return self._of_table(Entries(d=tuple((n, twice * um) for n, um in offsets.items())))
-
-    def write(
-        self, program: Program, plan: Plan, entries: Entries, options: Options
-    ) -> tuple[bytes | None, Sequence[Diagnostic]]:
-        """See `Target`."""
-        return encode(plan, program, self.machine, entries, options)
-
-    @property
-    def refuses_carried(self) -> Diagnostic | None:
-        """A program from elsewhere has no outline to write."""
-        return self.refuses_written or error(
-            "not-in-format",
-            f"the profile '{self.machine.name}' wants outlines that the controller offsets, and a "
-            "program has only the path of the wire",
-            hint="compile the drawing with this profile, or convert with a profile that takes the "
-            "path (iso-um, iso-mm)",
-        )
-
-
-def iso_target(machine: Machine) -> Iso:
-    """Return the target of an ISO profile: of a path, or of outlines."""
-    return (Offsetting if machine.iso.compensation == "controller" else Iso)(machine)
 
 
 def encode(
@@ -261,7 +144,7 @@ class _Writer:
         from wedmcam.backends.iso import encode_outlines
         from wedmcam.transforms import outlines
 
-        made, found = outlines.written(
+        made, found = outlines.write_outlines(
             plan, self.lowered, self.ends, self.grid, self.table, not_again
         )
         if made is None:
@@ -337,7 +220,7 @@ def _far(why: Diagnostic) -> Diagnostic:
 
 
 def _strays(
-    data: bytes, made: Written, plan: Plan, machine: Machine, table: dict[int, float]
+    data: bytes, outlines: Outlines, plan: Plan, machine: Machine, table: dict[int, float]
 ) -> tuple[list[Choice], list[Diagnostic]]:
     """Return what was chosen for the motions along which the wire strays too far, and an error."""
     from wedmcam.frontends.iso import read
@@ -372,7 +255,7 @@ def _strays(
     off |= right & (t.low < -gouge)
     lines = {getattr(program.spans[int(n) - 1], "line", 0) for n in t.block[off]}
     marks = {rows[line] for line in lines if line in rows}
-    chosen = {tuple(made.chosen[m].tolist()) for m in marks if m < len(made.chosen)}
+    chosen = {tuple(outlines.chosen[m].tolist()) for m in marks if m < len(outlines.chosen)}
     return [c for c in sorted(chosen) if c[0] >= 0], far
 
 
@@ -383,15 +266,3 @@ def grid_of(machine: Machine) -> Grid:
     how = machine.iso
     step = 1.0 if how.unit == "um" else 10.0 ** (3 - how.decimals)
     return Grid(step, machine.limits.line_um, machine.limits.arc_um)
-
-
-def rules_of(machine: Machine) -> Rules:
-    """Return what lowering must know of a text machine, in the controller's own frame."""
-    from wedmcam.transforms.lower import Rules
-
-    return Rules(
-        stepping=machine.own_stepping,
-        count_um=machine.limits.count_um,
-        line_um=machine.limits.line_um,
-        arc_um=machine.limits.arc_um,
-    )

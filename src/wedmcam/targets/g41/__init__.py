@@ -46,20 +46,23 @@ class Offsetting(Iso):
 
         behind = [cut for cut in plan.cuts if cut.offset_um < 0]
         if behind:
-            um = -behind[0].offset_um / 1000
-            what = (
-                f"the clearance puts the wire {um:.3f} mm behind the line: no D number is below 0"
+            refusal = error(
+                "not-reachable",
+                "the clearance puts the wire {behind_mm:.3f} mm behind the line: no D number is "
+                "below 0",
+                behind[0].path.source_of(0),
+                hint="a profile that does not leave the offset to the controller",
+                behind_mm=-behind[0].offset_um / 1000,
             )
-            hint = "a profile that does not leave the offset to the controller"
-            return None, [error("not-reachable", what, behind[0].path.source_of(0), hint=hint)]
+            return None, [refusal]
         return outlines.start_beside(plan, grid_of(self.machine))
 
     def entered(self, options: Options, plan: Plan | None = None) -> Entries:
         """See `Iso.entered`; of a plan with several offsets the D numbers that a compile states."""
-        said = super().entered(options, plan)
-        if said.d or said.every_um is not None or plan is None:
-            return said
-        return self.entries(plan) if all(cut.offset_um for cut in plan.cuts) else said
+        entries = super().entered(options, plan)
+        if entries.d or entries.every_um is not None or plan is None:
+            return entries
+        return self.entries(plan) if all(cut.offset_um for cut in plan.cuts) else entries
 
     def entries(self, plan: Plan) -> Entries:
         """A number for each offset."""
@@ -82,10 +85,11 @@ class Offsetting(Iso):
         """A program from elsewhere has no outline to write."""
         return self.refuses_written or error(
             "not-in-format",
-            f"the profile '{self.machine.name}' wants outlines that the controller offsets, and a "
-            "program has only the path of the wire",
+            "the profile '{profile}' wants outlines that the controller offsets, and a program has "
+            "only the path of the wire",
             hint="compile the drawing with this profile, or convert with a profile that takes the "
             "path (iso-um, iso-mm)",
+            profile=self.machine.name,
         )
 
 

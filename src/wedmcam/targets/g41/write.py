@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity, TextSpan, error, has_errors
+from wedmcam.diag import Diagnostic, Place, Severity, TextSpan, error, has_errors
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
@@ -91,10 +91,13 @@ def _lost(data: bytes, plan: Plan, machine: Machine, table: dict[int, float]) ->
     program, found = decode(data, machine, "program", table.get)
     if not has_errors(found):
         return _torn(program, plan, machine)
-    x, y = plan.cuts[0].thread
-    place = f"({x / 1000:.3f}, {y / 1000:.3f}) mm"
+    start = Place.of_um(*plan.cuts[0].thread)
     return [
-        replace(d.extended(f"; the program starts at {place}"), span=None, hint_template=OTHER)
+        replace(
+            d.extended("; the program starts at {start}", start=start),
+            span=None,
+            hint_template=OTHER,
+        )
         for d in found
         if d.severity is Severity.ERROR
     ]
@@ -192,13 +195,18 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
         apart = np.hypot(*(last - first)) if cut.path.closed else 0.0
         if apart > 0:
             x, y = (here / 1000).tolist()
-            text = (
-                f"the controller's path from ({x:.3f}, {y:.3f}) mm ends {apart / 1000:.4f} mm "
-                "beside its start: both are rounded to its grid"
-            )
-            hint = f"another thread point or --stop, or {OTHER}"
             found.append(
-                error("not-reachable", text, cut.path.source_of(0), points_mm=((x, y),), hint=hint)
+                error(
+                    "not-reachable",
+                    "the controller's path from {start} ends {gap_mm:.4f} mm beside its start: "
+                    "both are rounded to its grid",
+                    cut.path.source_of(0),
+                    points_mm=((x, y),),
+                    hint="another thread point or --stop, or a profile that states the path itself "
+                    "(iso-um, iso-mm), or another offset",
+                    start=Place.of_um(*here.tolist()),
+                    gap_mm=float(apart) / 1000,
+                )
             )
     return found
 
@@ -215,8 +223,15 @@ def _nearer(
 
 def _far(why: Diagnostic) -> Diagnostic:
     """Return the error of a writer whose outline no choice of the grid makes good."""
-    text = f"the outline and the controller's path are both rounded to its grid: {why.message}"
-    return replace(why, code="not-reachable", template=text, span=None, hint_template=OTHER)
+    return error(
+        "not-reachable",
+        "the outline and the controller's path are both rounded to its grid: {reason}",
+        points_mm=why.points_mm,
+        count=why.count,
+        notes=why.notes,
+        hint=OTHER,
+        reason=why.message,
+    )
 
 
 def _strays(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.diag import Diagnostic, Place, Span, error
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.plan import Cut, Plan
@@ -144,10 +144,8 @@ class _Out:
         return Outlines(Programmed(program, mark, motions), ends, chosen)
 
 
-def _refused(cut: Cut, code: str, what: str, hint: str) -> list[Diagnostic]:
-    x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
-    text = f"the contour that is threaded at ({x:.3f}, {y:.3f}) mm: {what}"
-    return [error(code, text, _span(cut), points_mm=((x, y),), hint=hint)]
+def _thread(cut: Cut) -> Place:
+    return Place.of_um(*cut.thread)
 
 
 def _span(cut: Cut) -> Span | None:
@@ -160,25 +158,32 @@ def _outline(
     """Return the motions of a cut as (motions, chosen, pause behind them), with leads."""
     outline = cut.outline
     if outline is None or outline.closed != cut.path.closed:
-        return None, _refused(
-            cut,
+        refusal = error(
             "compensation-lost",
-            "the wire path is only a part of its outline, which the controller cannot offset",
-            "a profile that does not leave the offset to the controller",
+            "the contour that is threaded at {thread}: the wire path is only a part of its "
+            "outline, which the controller cannot offset",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="a profile that does not leave the offset to the controller",
+            thread=_thread(cut),
         )
+        return None, [refusal]
     v = cut.path.vertices
     wx, wy = float(v["x"][0]), float(v["y"][0])
     if outline.closed:
         s = seg.of_rows(outline.starts, outline.ends)
         foot = foot_of(s, wx, wy, offset, True)
         if foot is None:
-            return None, _refused(
-                cut,
+            refusal = error(
                 "compensation-lead",
-                "the wire path starts on the arc round a corner, where the first and the last "
-                "block of the outline have no common normal",
-                "another thread point (--start), beside a line or an arc of the outline",
+                "the contour that is threaded at {thread}: the wire path starts on the arc round a "
+                "corner, where the first and the last block of the outline have no common normal",
+                _span(cut),
+                points_mm=(_thread(cut),),
+                hint="another thread point (--start), beside a line or an arc of the outline",
+                thread=_thread(cut),
             )
+            return None, [refusal]
         outline = opened(outline, s, foot)
     else:
         ends = [np.hypot(outline.vertices[k]["x"] - wx, outline.vertices[k]["y"] - wy)
@@ -221,25 +226,34 @@ def _lead(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
     sx, sy = float(rows["x0"][0]), float(rows["y0"][0])
     tx, ty = _heading(rows[0])
     length = float(np.hypot(sx - x, sy - y))
-    place = f"({sx / 1000:.3f}, {sy / 1000:.3f}) mm"
     if length < abs(shift):
-        return _refused(
-            cut,
+        refusal = error(
             "compensation-lead",
-            f"its lead to the outline at {place} is {length / 1000:.3f} mm long, shorter than the "
-            f"offset of {abs(shift) / 1000:.3f} mm",
-            "a thread point farther away (--start), or a longer --lead",
+            "the contour that is threaded at {thread}: its lead to the outline at {start} is "
+            "{lead_mm:.3f} mm long, shorter than the offset of {offset_mm:.3f} mm",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="a thread point farther away (--start), or a longer --lead",
+            thread=_thread(cut),
+            start=Place.of_um(sx, sy),
+            lead_mm=length / 1000,
+            offset_mm=abs(shift) / 1000,
         )
+        return [refusal]
     left = tx * (y - sy) - ty * (x - sx)
     # From below the height of the wire the lead would cut into what is kept beside the start.
     if left * np.sign(shift) < abs(shift) - 1.0 and cut.path.closed:
-        return _refused(
-            cut,
+        refusal = error(
             "compensation-lead",
-            f"its lead arrives at {place} from below the wire path: the wire would enter the part "
-            "beside the start",
-            "a thread point farther away from the contour, over the place where it starts",
+            "the contour that is threaded at {thread}: its lead arrives at {start} from below the "
+            "wire path: the wire would enter the part beside the start",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="a thread point farther away from the contour, over the place where it starts",
+            thread=_thread(cut),
+            start=Place.of_um(sx, sy),
         )
+        return [refusal]
     return []
 
 
@@ -269,13 +283,17 @@ def _paused(
     )
     foot = foot_of(s, x, y, offset, False)
     if foot is None:
-        return None, _refused(
-            cut,
+        refusal = error(
             "compensation-place",
-            f"the pause of --stop at ({x / 1000:.3f}, {y / 1000:.3f}) mm is on the arc round a "
-            "corner, inside of which the controller has no block",
-            "another length of --stop",
+            "the contour that is threaded at {thread}: the pause of --stop at {pause} is on the "
+            "arc round a corner, inside of which the controller has no block",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="another length of --stop",
+            thread=_thread(cut),
+            pause=Place.of_um(x, y),
         )
+        return None, [refusal]
     # Of the places around one that its segment passes as nearly as can be.
     one = s.take(np.array([foot.row]))
     tried = foot.at + np.array(sorted(np.arange(-PAUSE_UM, PAUSE_UM + 0.1), key=abs))

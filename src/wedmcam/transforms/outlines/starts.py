@@ -29,6 +29,10 @@ TORN_UM = 0.25
 BESIDE_UM = 0.05
 #: An outline starts at least this far from a corner, or in the middle of what is shorter; um.
 FROM_CORNER_UM = 300.0
+BESIDE_CORNER = (
+    "such a controller starts beside a corner, not in it: put the thread point (or 'enter') 0.3 mm "
+    "from it, or give another one"
+)
 #: A start may move so far along its segment to a place that is nearly on the grid, um.
 SLIDE_UM = 60
 #: A start is near enough to the grid when its segment passes it by this, um.
@@ -55,8 +59,7 @@ def start_beside(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]
     found = leads.collisions(
         paths,
         threaded,
-        "such a controller starts beside a corner, not in it: put the thread point (or 'enter') "
-        f"{FROM_CORNER_UM / 1000:g} mm from it, or give another one",
+        BESIDE_CORNER,
     )
     return (None if found else replace(plan, cuts=tuple(moved))), found
 

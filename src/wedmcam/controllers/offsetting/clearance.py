@@ -184,13 +184,13 @@ def comes_near(
     # Of the first element that comes too near to blocks, the nearest of them.
     best: tuple[int, float, int, tuple[float, float]] | None = None
     for i, j in _near_boxes(wire.boxes(), blocks.boxes(), limit):
-        asked = (own[i] != j) & ~is_way[j] & (limit[i] > 0)
-        i, j = i[asked], j[asked]
+        bounds = (own[i] != j) & ~is_way[j] & (limit[i] > 0)
+        i, j = i[bounds], j[bounds]
         gap, x, y = gaps(wire.take(i), blocks.take(j))
         for k in np.flatnonzero(gap < limit[i]).tolist():
-            found = int(i[k]), float(gap[k]), int(j[k]), (float(x[k]), float(y[k]))
-            if best is None or found < best:
-                best = found
+            candidate = int(i[k]), float(gap[k]), int(j[k]), (float(x[k]), float(y[k]))
+            if best is None or candidate < best:
+                best = candidate
     if best is None:
         return None
     element, gap_um, other, at = best
@@ -206,16 +206,16 @@ def ways(blocks: Many) -> Bools:
     first and last block lie on blocks that it has already, and are such ways too.
     """
     n = len(blocks.x0)
-    found = np.zeros(n, bool)
+    is_way = np.zeros(n, bool)
     if n < 4:
-        return found
+        return is_way
     for block, others, x, y in (
         (0, np.arange(2, n), blocks.x1[0], blocks.y1[0]),
         (n - 1, np.arange(n - 2), blocks.x0[-1], blocks.y0[-1]),
     ):
         far = blocks.take(others).distance(np.full(n - 2, x), np.full(n - 2, y))
-        found[block] = bool((far <= ONE_LINE_UM).any())
-    return found
+        is_way[block] = bool((far <= ONE_LINE_UM).any())
+    return is_way
 
 
 def gaps(a: Many, b: Many) -> tuple[Floats, Floats, Floats]:
@@ -288,9 +288,9 @@ def _meetings(a: Many, b: Many) -> Iterator[tuple[Floats, Floats]]:
                 yield _finite(x, y, both)
 
 
-def _finite(x: Floats, y: Floats, asked: Bools) -> tuple[Floats, Floats]:
-    """Return places, far outside where they are not asked for or there is none."""
-    there = asked & np.isfinite(x) & np.isfinite(y)
+def _finite(x: Floats, y: Floats, rows: Bools) -> tuple[Floats, Floats]:
+    """Return places; of other than these rows, or where there is none, one far outside."""
+    there = rows & np.isfinite(x) & np.isfinite(y)
     return np.where(there, x, 1e18), np.where(there, y, 1e18)
 
 

@@ -327,9 +327,9 @@ def _settle_arcs(chain: _Chain, left: bool, limits: BlockLimits) -> None:
         return
     exact, at = chain.exact(rows, left), chain.places(rows)
     best = staircase.arcs(exact, at, limits.stepping, limits.arc_um, limits.count_um)
-    found = best.stray <= 1.0
+    arrives = best.stray <= 1.0
     flat = (chain.heights(rows) <= FLAT_UM) & (staircase.chords(exact, at) <= 1.0)
-    chain.state[rows] = np.where(found, _ARC, np.where(flat, _LINE, _BAD))
+    chain.state[rows] = np.where(arrives, _ARC, np.where(flat, _LINE, _BAD))
     chain.ax[rows], chain.ay[rows] = at.x0 - best.cx, at.y0 - best.cy
     chain.axis[rows], chain.count[rows] = best.axis, best.count
 

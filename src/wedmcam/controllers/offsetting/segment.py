@@ -149,12 +149,12 @@ def crossings(a: Segment, b: Segment) -> list[tuple[Point, float, float]]:
         places = _line_and_circle(b, a) if a.turn else _line_and_circle(a, b)
     else:
         places = _lines(a, b)
-    found = []
+    results = []
     for x, y in places:
         on_a, on_b = a.position(x, y), b.position(x, y)
         if _within(on_a, a.length) and _within(on_b, b.length):
-            found.append(((x, y), min(max(on_a, 0.0), a.length), min(max(on_b, 0.0), b.length)))
-    return found
+            results.append(((x, y), min(max(on_a, 0.0), a.length), min(max(on_b, 0.0), b.length)))
+    return results
 
 
 def _within(at: float, length: float) -> bool:

@@ -83,7 +83,7 @@ class Places:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arcs:
-    """What was found for each arc.
+    """The best steps of each arc.
 
     Attributes:
         stray: of the best, in parts of what is allowed; inf where none arrives.

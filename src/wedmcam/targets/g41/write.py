@@ -47,7 +47,7 @@ def encode(
         lowered: the same plan in blocks.
         machine: an ISO profile of a controller that offsets.
         entries: its D numbers.
-        options: as asked for.
+        options: of the user; those are refused for which it has no words.
 
     Raises:
         WrongUse: for what such a controller has no words.
@@ -64,33 +64,35 @@ def encode(
         raise WrongUse("--convex sharp is not what the controller makes of corners: leave it out")
     if any(cut.overcut_um for cut in plan.cuts):
         raise WrongUse("--overcut runs back in the kerf, where G41 and G42 change sides")
-    found = travel(to_controller(lowered, machine.axes), machine)
-    if has_errors(found):
-        return b"", found
+    findings = travel(to_controller(lowered, machine.axes), machine)
+    if has_errors(findings):
+        return b"", findings
     offset_of = entries.offset_of()
     table = {n: offset_of(n) or 0.0 for n, _ in entries.d} if offset_of is not None else {}
     writer = _Writer(lowered, machine, table, options.feed_um)
-    tried = writer.tried(plan, [])
-    if tried.strays:
-        kept: list[Choice] = []
-        for n in sorted({choice[0] for choice in tried.strays}):
-            kept += writer.settled(plan, n, [c for c in tried.strays if c[0] == n])
-        tried = writer.tried(plan, kept)
-    more = tried.found
-    if tried.data and not has_errors(more):
-        more = [*more, *(_lost(tried.data, plan, machine, table) or tried.far)]
-    return tried.data, [*found, *more]
+    attempt = writer.attempt(plan, [])
+    if attempt.strays:
+        bans: list[Choice] = []
+        for n in sorted({choice[0] for choice in attempt.strays}):
+            bans += writer.settle_contour(plan, n, [c for c in attempt.strays if c[0] == n])
+        attempt = writer.attempt(plan, bans)
+    more = attempt.findings
+    if attempt.data and not has_errors(more):
+        more = [*more, *(_path_errors(attempt.data, plan, machine, table) or attempt.far)]
+    return attempt.data, [*findings, *more]
 
 
-def _lost(data: bytes, plan: Plan, machine: Machine, table: dict[int, float]) -> list[Diagnostic]:
+def _path_errors(
+    data: bytes, plan: Plan, machine: Machine, table: dict[int, float]
+) -> list[Diagnostic]:
     """Return errors where the controller makes no path of its outlines.
 
     An arc of the radius of the offset, a wall as long as a corner is deep: the shifted blocks of
     the written outline do not meet, whatever the exact ones do.
     """
-    program, found = decode(data, machine, "program", table.get)
-    if not has_errors(found):
-        return _torn(program, plan, machine)
+    program, findings = decode(data, machine, "program", table.get)
+    if not has_errors(findings):
+        return _closing_errors(program, plan, machine)
     start = Place.of_um(*plan.cuts[0].thread)
     return [
         replace(
@@ -98,23 +100,23 @@ def _lost(data: bytes, plan: Plan, machine: Machine, table: dict[int, float]) ->
             span=None,
             hint_template=OTHER,
         )
-        for d in found
+        for d in findings
         if d.severity is Severity.ERROR
     ]
 
 
-class _Tried(NamedTuple):
+class _Attempt(NamedTuple):
     """An outline as it was written.
 
     Attributes:
         data: its bytes, empty where there are errors.
-        found: findings of writing it.
+        findings: of writing it.
         strays: what was chosen for the motions along which the wire would stray too far.
         far: an error where it would, whatever was chosen; else empty.
     """
 
     data: bytes
-    found: list[Diagnostic]
+    findings: list[Diagnostic]
     strays: list[Choice]
     far: list[Diagnostic]
 
@@ -141,28 +143,28 @@ class _Writer:
         self.ends = block_ends(lowered, machine)[1]
         self.grid = grid_of(machine)
 
-    def tried(self, plan: Plan, not_again: list[Choice]) -> _Tried:
+    def attempt(self, plan: Plan, bans: list[Choice]) -> _Attempt:
         """Write a plan without some choices, and see how far the wire would stray."""
         from wedmcam.backends.axes import outlines_to_controller
         from wedmcam.backends.iso import encode_outlines
         from wedmcam.transforms import outlines
 
-        made, found = outlines.write_outlines(
-            plan, self.lowered, self.ends, self.grid, self.table, not_again
+        drawn, findings = outlines.write_outlines(
+            plan, self.lowered, self.ends, self.grid, self.table, bans
         )
-        if made is None:
-            return _Tried(b"", found, [], [])
-        written, ends = outlines_to_controller(made.programmed, made.ends, self.machine.axes)
-        data, found = encode_outlines(written, ends, self.machine, self.feed_um)
-        return _Tried(data, found, *_strays(data, made, plan, self.machine, self.table))
+        if drawn is None:
+            return _Attempt(b"", findings, [], [])
+        own, ends = outlines_to_controller(drawn.programmed, drawn.ends, self.machine.axes)
+        data, findings = encode_outlines(own, ends, self.machine, self.feed_um)
+        return _Attempt(data, findings, *_strays(data, drawn, plan, self.machine, self.table))
 
-    def settled(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:
+    def settle_contour(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:
         """Return what must not be chosen for one contour, that it strays nowhere or least."""
         alone = replace(plan, cuts=(plan.cuts[number],), partial=True)
         bad = [(0, *choice[1:]) for choice in strays]
         best, least = bad, len(strays) + 1
         for _ in range(ROUNDS):
-            again = self.tried(alone, bad).strays
+            again = self.attempt(alone, bad).strays
             if len(again) < least:
                 best, least = list(bad), len(again)
             new = [choice for choice in again if choice not in bad]
@@ -172,7 +174,7 @@ class _Writer:
         return [(number, *choice[1:]) for choice in best]
 
 
-def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
+def _closing_errors(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
     """Return errors for cuts that end beside their start.
 
     Where a path starts, and where it pauses, one segment of the outline is written as two. On the
@@ -187,7 +189,7 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
     of = [np.flatnonzero(cutting & (group == g)) for g in np.unique(group[cutting])]
     if len(of) != len(plan.cuts):
         return []  # a cut begins where the one before it was threaded
-    found = []
+    errors = []
     for rows, cut in zip(of, plan.cuts, strict=True):
         here = np.array([float(cut.path.vertices[k][0]) for k in ("x", "y")])
         first = _nearer(ends[rows[0]], starts[rows[0]], here)
@@ -195,7 +197,7 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
         apart = np.hypot(*(last - first)) if cut.path.closed else 0.0
         if apart > 0:
             x, y = (here / 1000).tolist()
-            found.append(
+            errors.append(
                 error(
                     "not-reachable",
                     "the controller's path from {start} ends {gap_mm:.4f} mm beside its start: "
@@ -208,7 +210,7 @@ def _torn(program: Program, plan: Plan, machine: Machine) -> list[Diagnostic]:
                     gap_mm=float(apart) / 1000,
                 )
             )
-    return found
+    return errors
 
 
 def _nearer(
@@ -241,8 +243,8 @@ def _strays(
     from wedmcam.frontends.iso import read
     from wedmcam.judge.judge import judge
 
-    program, found = decode(data, machine, "program", table.get)
-    if has_errors(found):
+    program, findings = decode(data, machine, "program", table.get)
+    if has_errors(findings):
         return [], []  # another place of the grid is no cure for that
     outline, _ = read(data, machine, "program", table.get)
     rows = {
@@ -251,16 +253,16 @@ def _strays(
         if mark >= 0 and isinstance(span, TextSpan)
     }
     placed = replace(program, origin=plan.cuts[0].thread)
-    verdict, found = judge(
+    verdict, findings = judge(
         placed,
         plan,
         stepping=machine.stepping,
         limits=machine.limits,
         free_moves=machine.move_um is None,
     )
-    if not has_errors(found):
+    if not has_errors(findings):
         return [], []
-    far = [_far(d) for d in found if d.code in FAR and d.severity is Severity.ERROR][:1]
+    far = [_far(d) for d in findings if d.code in FAR and d.severity is Severity.ERROR][:1]
     t = verdict.table
     keeps = {k + 1: cut.keeps_left for k, cut in enumerate(plan.cuts)}
     left = np.array([keeps.get(int(n)) is True for n in t.cut])

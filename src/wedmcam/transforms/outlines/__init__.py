@@ -20,8 +20,8 @@ from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
-from wedmcam.transforms.outlines.grid import Grid, gridded
-from wedmcam.transforms.outlines.starts import foot_of, opened, start_beside
+from wedmcam.transforms.outlines.grid import Grid, put_on_grid
+from wedmcam.transforms.outlines.starts import foot_of, open_at, start_beside
 
 #: A pause may stand so far from where it was asked for, um; the judge allows 5.
 PAUSE_UM = 3.0
@@ -57,7 +57,7 @@ def write_outlines(
     places: Ints,
     grid: Grid,
     table: dict[int, float],
-    not_again: Sequence[tuple[int, int, int, int]] = (),
+    bans: Sequence[tuple[int, int, int, int]] = (),
 ) -> tuple[Outlines | None, list[Diagnostic]]:
     """Return the outlines of a plan on the grid, in cutting order, with the moves between them.
 
@@ -67,11 +67,11 @@ def write_outlines(
         places: where its blocks end, um, shape (blocks, 2).
         grid: of the format.
         table: D numbers.
-        not_again: rows of ``Outlines.chosen`` that turned out badly.
+        bans: rows of ``Outlines.chosen`` that turned out badly.
     """
     number = {offset: d for d, offset in table.items()}
-    found: list[Diagnostic] = []
-    out = _Out()
+    findings: list[Diagnostic] = []
+    out = _Builder()
     for k, cut in enumerate(plan.cuts):
         if k:
             out.control(Kind.PAUSE)
@@ -85,20 +85,20 @@ def write_outlines(
             for i in range(int(mine[0]), int(mine[-1]) + 1):
                 out.block(lowered.blocks[i], places[i])
             continue
-        bans = [row[1:] for row in not_again if row[0] == k]
-        made, more = _outline(cut, offset, number[offset], k, grid, bans)
-        found += more
-        if made is not None:
-            for part, chosen, pause in made:
+        own = [row[1:] for row in bans if row[0] == k]
+        parts, more = _outline(cut, offset, number[offset], k, grid, own)
+        findings += more
+        if parts is not None:
+            for part, chosen, pause in parts:
                 out.motions(part, chosen)
                 if pause:
                     out.control(Kind.PAUSE)
     out.control(Kind.STOP)
-    return (None if found else out.done(plan.cuts[0].thread)), found
+    return (None if findings else out.outlines(plan.cuts[0].thread)), findings
 
 
-class _Out:
-    """Blocks in the making."""
+class _Builder:
+    """Collects blocks, and the motions that they stand for."""
 
     def __init__(self) -> None:
         self.blocks: list[Blocks] = []
@@ -135,7 +135,7 @@ class _Out:
         self.runs.append(rows)
         self.chosen.append(chosen)
 
-    def done(self, origin: tuple[int, int]) -> Outlines:
+    def outlines(self, origin: tuple[int, int]) -> Outlines:
         motions = np.concatenate(self.runs) if self.runs else np.zeros(0, PROGRAMMED)
         program = Program(np.concatenate(self.blocks), origin)
         mark = np.array(self.mark, np.int64)
@@ -184,7 +184,7 @@ def _outline(
                 thread=_thread(cut),
             )
             return None, [refusal]
-        outline = opened(outline, s, foot)
+        outline = open_at(outline, s, foot)
     else:
         ends = [np.hypot(outline.vertices[k]["x"] - wx, outline.vertices[k]["y"] - wy)
                 for k in (0, -1)]  # fmt: skip
@@ -192,12 +192,12 @@ def _outline(
     s = seg.of_rows(outline.starts, outline.ends)
     tx, ty = (float(c[0]) for c in seg.start_tangents(s))
     side = 1.0 if tx * (wy - s.y0[0]) - ty * (wx - s.x0[0]) > 0 else -1.0
-    rows, chosen = gridded(outline, s, grid, side * offset, cut.path, bans)
+    rows, chosen = put_on_grid(outline, s, grid, side * offset, cut.path, bans)
     chosen = np.column_stack([np.full(len(rows), run), chosen])
     rows["shift"], rows["d"], rows["run"] = side * offset, d, run
-    found = _lead(cut, rows, side * offset)
-    if found:
-        return None, found
+    errors = _lead_errors(cut, rows, side * offset)
+    if errors:
+        return None, errors
     first, last = np.zeros(1, PROGRAMMED), np.zeros(1, PROGRAMMED)
     for lead, role in ((first, Role.LEAD_IN), (last, Role.LEAD_OUT)):
         lead["role"], lead["d"], lead["run"] = role, d, run
@@ -206,21 +206,21 @@ def _outline(
     first["x1"], first["y1"] = rows["x0"][0], rows["y0"][0]
     last["x0"], last["y0"] = rows["x1"][-1], rows["y1"][-1]
     last["x1"], last["y1"] = cut.thread
-    pause, more = _paused(cut, s, rows, chosen, offset, grid)
+    pause, errors = _part_at_pause(cut, s, rows, chosen, offset, grid)
     if pause is None:
-        return None, more
+        return None, errors
     rows, chosen, at = pause
-    nobody = np.full((1, 4), -1)
-    lead_out = [(last, nobody, False)] if cut.path.closed else []
+    no_choice = np.full((1, 4), -1)
+    lead_out = [(last, no_choice, False)] if cut.path.closed else []
     return [
-        (first, nobody, at == 0),
+        (first, no_choice, at == 0),
         (rows[:at], chosen[:at], 0 < at < len(rows)),
         (rows[at:], chosen[at:], False),
         *lead_out,
     ], []
 
 
-def _lead(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
+def _lead_errors(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
     """Return what is wrong with the way from the thread point to the outline."""
     x, y = cut.thread
     sx, sy = float(rows["x0"][0]), float(rows["y0"][0])
@@ -267,7 +267,7 @@ def _heading(row: np.void) -> tuple[float, float]:
     return float(dx) / size, float(dy) / size
 
 
-def _paused(
+def _part_at_pause(
     cut: Cut, s: Segments, rows: Blocks, chosen: Ints, offset: float, grid: Grid
 ) -> tuple[tuple[Blocks, Ints, int] | None, list[Diagnostic]]:
     """Return motions, parted where the machine is to pause (--stop), and how many come before."""

@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -46,7 +48,7 @@ def _imports():
 
 
 EDGES = sorted({(h[0], n.split(".")[1]) for h, n in _imports() if n.startswith("wedmcam.")})
-STANDARD = __import__("sys").stdlib_module_names | {"wedmcam", "__future__"}
+STANDARD = sys.stdlib_module_names | {"wedmcam", "__future__"}
 THIRD = sorted({(h[0], n.split(".")[0]) for h, n in _imports() if n.split(".")[0] not in STANDARD})
 
 
@@ -118,3 +120,49 @@ def test_line_tables_are_made_where_controllers_are():
             if isinstance(node, ast.Call):
                 name = node.func.id if isinstance(node.func, ast.Name) else ""
                 assert name != "LineTable", f"{path}:{node.lineno}"
+
+
+def _wedmcam_imports(module, seen):
+    """Add to ``seen`` what a module imports of ours, and what that imports, at any level."""
+    if module in seen:
+        return
+    base = ROOT / "src" / Path(*module.split("."))
+    path = base / "__init__.py" if base.is_dir() else base.with_suffix(".py")
+    if not path.exists():
+        return
+    seen.add(module)
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for name in (node.module, *(f"{node.module}.{a.name}" for a in node.names)):
+                _wedmcam_imports(name, seen)
+
+
+def test_what_a_controller_makes_of_g41_shares_nothing_with_what_makes_programs():
+    """The judge holds G41 programs to that path: the model is the target's alone."""
+    forbidden = {"geom", "transforms", "backends", "arithmetic"}
+    seen: set[str] = set()
+    _wedmcam_imports("wedmcam.controllers.offsetting", seen)
+    assert "wedmcam.controllers.offsetting.path" in seen
+    assert not {name for name in seen if name.split(".")[1] in forbidden - {"geom"}}, seen
+    for path in [
+        PACKAGE / "targets" / "g41" / "read.py",
+        *(PACKAGE / "controllers" / "offsetting").glob("*.py"),
+    ]:
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("wedmcam."):
+                assert node.module.split(".")[1] not in forbidden, path
+
+
+def test_reading_g41_loads_nothing_that_makes_programs():
+    text = "G91\\nG41 D1 G01 X500\\nG01 Y500\\nG40\\nM02\\n"
+    code = (
+        "import sys\n"
+        "from wedmcam.machines import builtin\n"
+        "from wedmcam.targets.g41.read import decode\n"
+        f"program, findings = decode(b'{text}', builtin('iso-um'), 'x.nc', lambda number: 100.0)\n"
+        "assert len(program.blocks) == 3 and not findings, findings\n"
+        "makers = ('wedmcam.transforms', 'wedmcam.backends')\n"
+        "print([name for name in sys.modules if name.startswith(makers)])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

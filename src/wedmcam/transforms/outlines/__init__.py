@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error
+from wedmcam.diag import Diagnostic, Place, Span, error
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
-from wedmcam.transforms.outlines.grid import Grid, gridded
-from wedmcam.transforms.outlines.starts import foot_of, opened, started
+from wedmcam.transforms.outlines.grid import Grid, put_on_grid
+from wedmcam.transforms.outlines.starts import foot_of, open_at, start_beside
 
 #: A pause may stand so far from where it was asked for, um; the judge allows 5.
 PAUSE_UM = 3.0
@@ -30,7 +30,7 @@ Blocks = NDArray[np.void]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Written:
+class Outlines:
     """Outlines as a writer takes them.
 
     Attributes:
@@ -51,27 +51,27 @@ def numbers(plan: Plan, first: int) -> dict[int, float]:
     return {first + k: offset for k, offset in enumerate(offsets)}
 
 
-def written(
+def write_outlines(
     plan: Plan,
     lowered: Program,
     places: Ints,
     grid: Grid,
     table: dict[int, float],
-    not_again: Sequence[tuple[int, int, int, int]] = (),
-) -> tuple[Written | None, list[Diagnostic]]:
+    bans: Sequence[tuple[int, int, int, int]] = (),
+) -> tuple[Outlines | None, list[Diagnostic]]:
     """Return the outlines of a plan on the grid, in cutting order, with the moves between them.
 
     Args:
-        plan: whose paths start where `started` put them.
+        plan: whose paths start where `start_beside` put them.
         lowered: the same as stepped blocks; cuts without an offset are taken from there.
         places: where its blocks end, um, shape (blocks, 2).
         grid: of the format.
         table: D numbers.
-        not_again: rows of ``Written.chosen`` that turned out badly.
+        bans: rows of ``Outlines.chosen`` that turned out badly.
     """
     number = {offset: d for d, offset in table.items()}
-    found: list[Diagnostic] = []
-    out = _Out()
+    findings: list[Diagnostic] = []
+    out = _Builder()
     for k, cut in enumerate(plan.cuts):
         if k:
             out.control(Kind.PAUSE)
@@ -85,20 +85,20 @@ def written(
             for i in range(int(mine[0]), int(mine[-1]) + 1):
                 out.block(lowered.blocks[i], places[i])
             continue
-        bans = [row[1:] for row in not_again if row[0] == k]
-        made, more = _outline(cut, offset, number[offset], k, grid, bans)
-        found += more
-        if made is not None:
-            for part, chosen, pause in made:
+        own = [row[1:] for row in bans if row[0] == k]
+        parts, more = _outline(cut, offset, number[offset], k, grid, own)
+        findings += more
+        if parts is not None:
+            for part, chosen, pause in parts:
                 out.motions(part, chosen)
                 if pause:
                     out.control(Kind.PAUSE)
     out.control(Kind.STOP)
-    return (None if found else out.done(plan.cuts[0].thread)), found
+    return (None if findings else out.outlines(plan.cuts[0].thread)), findings
 
 
-class _Out:
-    """Blocks in the making."""
+class _Builder:
+    """Collects blocks, and the motions that they stand for."""
 
     def __init__(self) -> None:
         self.blocks: list[Blocks] = []
@@ -135,19 +135,17 @@ class _Out:
         self.runs.append(rows)
         self.chosen.append(chosen)
 
-    def done(self, origin: tuple[int, int]) -> Written:
+    def outlines(self, origin: tuple[int, int]) -> Outlines:
         motions = np.concatenate(self.runs) if self.runs else np.zeros(0, PROGRAMMED)
         program = Program(np.concatenate(self.blocks), origin)
         mark = np.array(self.mark, np.int64)
         ends = np.array(self.ends).reshape(-1, 2)
         chosen = np.concatenate(self.chosen) if self.chosen else np.zeros((0, 4), np.int64)
-        return Written(Programmed(program, mark, motions), ends, chosen)
+        return Outlines(Programmed(program, mark, motions), ends, chosen)
 
 
-def _refused(cut: Cut, code: str, what: str, hint: str) -> list[Diagnostic]:
-    x, y = cut.thread[0] / 1000, cut.thread[1] / 1000
-    text = f"the contour that is threaded at ({x:.3f}, {y:.3f}) mm: {what}"
-    return [error(code, text, _span(cut), points_mm=((x, y),), hint=hint)]
+def _thread(cut: Cut) -> Place:
+    return Place.of_um(*cut.thread)
 
 
 def _span(cut: Cut) -> Span | None:
@@ -160,26 +158,33 @@ def _outline(
     """Return the motions of a cut as (motions, chosen, pause behind them), with leads."""
     outline = cut.outline
     if outline is None or outline.closed != cut.path.closed:
-        return None, _refused(
-            cut,
+        refusal = error(
             "compensation-lost",
-            "the wire path is only a part of its outline, which the controller cannot offset",
-            "a profile that does not leave the offset to the controller",
+            "the contour that is threaded at {thread}: the wire path is only a part of its "
+            "outline, which the controller cannot offset",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="a profile that does not leave the offset to the controller",
+            thread=_thread(cut),
         )
+        return None, [refusal]
     v = cut.path.vertices
     wx, wy = float(v["x"][0]), float(v["y"][0])
     if outline.closed:
         s = seg.of_rows(outline.starts, outline.ends)
         foot = foot_of(s, wx, wy, offset, True)
         if foot is None:
-            return None, _refused(
-                cut,
+            refusal = error(
                 "compensation-lead",
-                "the wire path starts on the arc round a corner, where the first and the last "
-                "block of the outline have no common normal",
-                "another thread point (--start), beside a line or an arc of the outline",
+                "the contour that is threaded at {thread}: the wire path starts on the arc round a "
+                "corner, where the first and the last block of the outline have no common normal",
+                _span(cut),
+                points_mm=(_thread(cut),),
+                hint="another thread point (--start), beside a line or an arc of the outline",
+                thread=_thread(cut),
             )
-        outline = opened(outline, s, foot)
+            return None, [refusal]
+        outline = open_at(outline, s, foot)
     else:
         ends = [np.hypot(outline.vertices[k]["x"] - wx, outline.vertices[k]["y"] - wy)
                 for k in (0, -1)]  # fmt: skip
@@ -187,12 +192,12 @@ def _outline(
     s = seg.of_rows(outline.starts, outline.ends)
     tx, ty = (float(c[0]) for c in seg.start_tangents(s))
     side = 1.0 if tx * (wy - s.y0[0]) - ty * (wx - s.x0[0]) > 0 else -1.0
-    rows, chosen = gridded(outline, s, grid, side * offset, cut.path, bans)
+    rows, chosen = put_on_grid(outline, s, grid, side * offset, cut.path, bans)
     chosen = np.column_stack([np.full(len(rows), run), chosen])
     rows["shift"], rows["d"], rows["run"] = side * offset, d, run
-    found = _lead(cut, rows, side * offset)
-    if found:
-        return None, found
+    errors = _lead_errors(cut, rows, side * offset)
+    if errors:
+        return None, errors
     first, last = np.zeros(1, PROGRAMMED), np.zeros(1, PROGRAMMED)
     for lead, role in ((first, Role.LEAD_IN), (last, Role.LEAD_OUT)):
         lead["role"], lead["d"], lead["run"] = role, d, run
@@ -201,45 +206,54 @@ def _outline(
     first["x1"], first["y1"] = rows["x0"][0], rows["y0"][0]
     last["x0"], last["y0"] = rows["x1"][-1], rows["y1"][-1]
     last["x1"], last["y1"] = cut.thread
-    pause, more = _paused(cut, s, rows, chosen, offset, grid)
+    pause, errors = _part_at_pause(cut, s, rows, chosen, offset, grid)
     if pause is None:
-        return None, more
+        return None, errors
     rows, chosen, at = pause
-    nobody = np.full((1, 4), -1)
-    lead_out = [(last, nobody, False)] if cut.path.closed else []
+    no_choice = np.full((1, 4), -1)
+    lead_out = [(last, no_choice, False)] if cut.path.closed else []
     return [
-        (first, nobody, at == 0),
+        (first, no_choice, at == 0),
         (rows[:at], chosen[:at], 0 < at < len(rows)),
         (rows[at:], chosen[at:], False),
         *lead_out,
     ], []
 
 
-def _lead(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
+def _lead_errors(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
     """Return what is wrong with the way from the thread point to the outline."""
     x, y = cut.thread
     sx, sy = float(rows["x0"][0]), float(rows["y0"][0])
     tx, ty = _heading(rows[0])
     length = float(np.hypot(sx - x, sy - y))
-    place = f"({sx / 1000:.3f}, {sy / 1000:.3f}) mm"
     if length < abs(shift):
-        return _refused(
-            cut,
+        refusal = error(
             "compensation-lead",
-            f"its lead to the outline at {place} is {length / 1000:.3f} mm long, shorter than the "
-            f"offset of {abs(shift) / 1000:.3f} mm",
-            "a thread point farther away (--start), or a longer --lead",
+            "the contour that is threaded at {thread}: its lead to the outline at {start} is "
+            "{lead_mm:.3f} mm long, shorter than the offset of {offset_mm:.3f} mm",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="a thread point farther away (--start), or a longer --lead",
+            thread=_thread(cut),
+            start=Place.of_um(sx, sy),
+            lead_mm=length / 1000,
+            offset_mm=abs(shift) / 1000,
         )
+        return [refusal]
     left = tx * (y - sy) - ty * (x - sx)
     # From below the height of the wire the lead would cut into what is kept beside the start.
     if left * np.sign(shift) < abs(shift) - 1.0 and cut.path.closed:
-        return _refused(
-            cut,
+        refusal = error(
             "compensation-lead",
-            f"its lead arrives at {place} from below the wire path: the wire would enter the part "
-            "beside the start",
-            "a thread point farther away from the contour, over the place where it starts",
+            "the contour that is threaded at {thread}: its lead arrives at {start} from below the "
+            "wire path: the wire would enter the part beside the start",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="a thread point farther away from the contour, over the place where it starts",
+            thread=_thread(cut),
+            start=Place.of_um(sx, sy),
         )
+        return [refusal]
     return []
 
 
@@ -253,7 +267,7 @@ def _heading(row: np.void) -> tuple[float, float]:
     return float(dx) / size, float(dy) / size
 
 
-def _paused(
+def _part_at_pause(
     cut: Cut, s: Segments, rows: Blocks, chosen: Ints, offset: float, grid: Grid
 ) -> tuple[tuple[Blocks, Ints, int] | None, list[Diagnostic]]:
     """Return motions, parted where the machine is to pause (--stop), and how many come before."""
@@ -269,13 +283,17 @@ def _paused(
     )
     foot = foot_of(s, x, y, offset, False)
     if foot is None:
-        return None, _refused(
-            cut,
+        refusal = error(
             "compensation-place",
-            f"the pause of --stop at ({x / 1000:.3f}, {y / 1000:.3f}) mm is on the arc round a "
-            "corner, inside of which the controller has no block",
-            "another length of --stop",
+            "the contour that is threaded at {thread}: the pause of --stop at {pause} is on the "
+            "arc round a corner, inside of which the controller has no block",
+            _span(cut),
+            points_mm=(_thread(cut),),
+            hint="another length of --stop",
+            thread=_thread(cut),
+            pause=Place.of_um(x, y),
         )
+        return None, [refusal]
     # Of the places around one that its segment passes as nearly as can be.
     one = s.take(np.array([foot.row]))
     tried = foot.at + np.array(sorted(np.arange(-PAUSE_UM, PAUSE_UM + 0.1), key=abs))
@@ -308,4 +326,4 @@ def _segments(rows: Blocks) -> Segments:
     return seg.make(x0, y0, x1, y1, cx, cy, rows["turn"].astype(np.int8))
 
 
-__all__ = ["Grid", "Written", "numbers", "started", "written"]
+__all__ = ["Grid", "Outlines", "numbers", "start_beside", "write_outlines"]

@@ -62,7 +62,7 @@ class Grid:
         return np.asarray(whole / per)
 
 
-def gridded(
+def put_on_grid(
     outline: Contour,
     s: Segments,
     grid: Grid,

@@ -1,4 +1,4 @@
-"""Where an outline starts that the controller offsets: beside a segment, on a place of the grid.
+"""Where to start an outline that the controller offsets: beside a segment, on a place of the grid.
 
 A controller puts the wire on the normal of the first block and takes it off on that of the last:
 both are one place only inside a segment, or where two are tangent.
@@ -38,21 +38,21 @@ NEAR_UM = 0.02
 CIRCLE_UM = 0.2
 
 
-def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
+def start_beside(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
     """Return the plan with every closed path starting beside a segment, not round a corner.
 
     A controller puts the wire on the normal of the first block, and takes it off on that of the
     last: both are one place only inside a segment, or where two are tangent. They are one micron
     only where the segment passes a place of the grid, so the start moves along to such a place.
     """
-    moved = [_restarted(cut, grid) for cut in plan.cuts]
+    moved = [_restart(cut, grid) for cut in plan.cuts]
     if all(a is b for a, b in zip(moved, plan.cuts, strict=True)):
         return plan, []
     paths = [
         PlannedPath(c.path, c.outline or c.path, None, c.offset_um, k) for k, c in enumerate(moved)
     ]
     threaded = [Threaded(c.path, c.thread) for c in moved]
-    found = [
+    errors = [
         d.extended(
             hint="such a controller starts beside a corner, not in it: put the thread point (or "
             "'enter') {apart_mm:g} mm from it, or give another one",
@@ -60,10 +60,10 @@ def started(plan: Plan, grid: Grid) -> tuple[Plan | None, list[Diagnostic]]:
         )
         for d in leads.collisions(paths, threaded)
     ]
-    return (None if found else replace(plan, cuts=tuple(moved))), found
+    return (None if errors else replace(plan, cuts=tuple(moved))), errors
 
 
-def _restarted(cut: Cut, grid: Grid) -> Cut:
+def _restart(cut: Cut, grid: Grid) -> Cut:
     offset = cut.offset_um
     if not offset or cut.outline is None or not cut.path.closed or not cut.outline.closed:
         return cut
@@ -73,7 +73,7 @@ def _restarted(cut: Cut, grid: Grid) -> Cut:
     n = len(s)
     foot = foot_of(drawn, float(v["x"][0]), float(v["y"][0]), offset, True)
     if foot is not None:
-        return _slid(cut, s, drawn, foot, offset, grid)
+        return _slide(cut, s, drawn, foot, offset, grid)
     x, y = (np.full(n, float(c)) for c in cut.thread)
     margin = np.minimum(0.5 * s.length, FROM_CORNER_UM)
     at = np.clip(seg.position_of(s, x, y), margin, s.length - margin)
@@ -83,11 +83,11 @@ def _restarted(cut: Cut, grid: Grid) -> Cut:
         if foot is not None:
             path = leads.start_at(cut.path, s, k, float(at[k]))
             again = seg.of_rows(path.starts, path.ends)
-            return _slid(replace(cut, path=path), again, drawn, foot, offset, grid)
+            return _slide(replace(cut, path=path), again, drawn, foot, offset, grid)
     return cut
 
 
-def _slid(cut: Cut, s: Segments, drawn: Segments, foot: Foot, offset: float, grid: Grid) -> Cut:
+def _slide(cut: Cut, s: Segments, drawn: Segments, foot: Foot, offset: float, grid: Grid) -> Cut:
     """Return a cut whose outline starts on, or nearly on, a place of the grid, far from corners."""
     one = drawn.take(np.array([foot.row]))
     length = float(one.length[0])
@@ -170,7 +170,7 @@ def foot_of(s: Segments, x: float, y: float, offset: float, closed: bool) -> Foo
     return Foot(row, at, float(qx[0]), float(qy[0]))
 
 
-def opened(outline: Contour, s: Segments, foot: Foot) -> Contour:
+def open_at(outline: Contour, s: Segments, foot: Foot) -> Contour:
     """Return a closed outline as an open one that starts and ends at a place of it."""
     v = outline.vertices
     rows = np.roll(v, -foot.row)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wedmcam.diag import Diagnostic, FileSpan, warning
+from wedmcam.diag.lists import first_of
 from wedmcam.frontends.dxf.kinds import UNREADABLE
 from wedmcam.ir.colours import colour_of, of_rgb, shown
 from wedmcam.ir.names import Names
@@ -167,39 +168,38 @@ def filters_of(doc: Any, options: Any, file: str, type_of: Any) -> tuple[Filters
         asked[name] = tuple(colour_of(text) for text in asked[name])
     there = _there(doc, type_of) if any(asked.values()) else {}
     names = {name: Names(asked[name], there.get(what, ())) for name, _, what in OPTIONS}
-    found = []
+    findings = []
     for name, option, what in OPTIONS:
         if options.wished is not None and name not in options.wished:
             continue
         for word in names[name].unmatched:
-            told = shown(word) if what == "colour" else word
-            found.append(
-                warning(
-                    "filter-unmatched",
-                    f"{option} {told}: nothing in the drawing has that {what}",
-                    FileSpan(file),
-                    hint=_near(word, sorted(there[what]), what),
-                )
+            unmatched = warning(
+                "filter-unmatched",
+                "{option} {name}: nothing in the drawing has that {property}",
+                FileSpan(file),
+                option=option,
+                name=shown(word) if what == "colour" else word,
+                property=what,
             )
+            findings.append(_with_nearest(unmatched, word, sorted(there[what]), what))
     both = [
         Both(names[k], names[f"ignore_{k}"]) for k in ("layers", "types", "linetypes", "colours")
     ]
-    return Filters(*both), found
+    return Filters(*both), findings
 
 
-def _near(word: str, there: list[str], what: str) -> str:
+def _with_nearest(unmatched: Diagnostic, word: str, there: list[str], what: str) -> Diagnostic:
+    """Return the finding with the name that is nearest to a word, or the names that there are."""
     if what == "colour":
-        return f"there is {_listed([shown(colour) for colour in there])}"
-    folded = {name.casefold(): name for name in there}
-    near = difflib.get_close_matches(word.casefold(), folded, 1, 0.6)
-    if near:
-        return f"did you mean {folded[near[0]]}?"
-    return f"there is {_listed(there)}"
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return (", ".join(names[:NAMED]) or "none") + more
+        there = [shown(colour) for colour in there]
+    else:
+        folded = {name.casefold(): name for name in there}
+        near = difflib.get_close_matches(word.casefold(), folded, 1, 0.6)
+        if near:
+            return unmatched.extended(hint="did you mean {nearest}?", nearest=folded[near[0]])
+    if not there:
+        return unmatched.extended(hint="there is none")
+    return unmatched.extended(hint="there is {there}", there=first_of(there, NAMED))
 
 
 def _there(doc: Any, type_of: Any) -> dict[str, set[str]]:

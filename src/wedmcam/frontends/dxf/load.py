@@ -133,8 +133,9 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
                     "not-dxf",
                     "not a DXF drawing but {kind}",
                     where,
-                    hint=cure,
+                    hint="{cure}",
                     kind=what,
+                    cure=cure,
                 ),
             )
     header, decoded = _decoded(data)
@@ -435,8 +436,9 @@ def _with_version(text: str, header: Header, where: FileSpan) -> tuple[str, list
         text = text[: begin.end()] + variable + text[begin.end() :]
     else:
         text = f"  0\nSECTION\n  2\nHEADER\n{variable}  0\nENDSEC\n{text}"
-    stated = "the file states no version ($ACADVER): read as AC1015"
-    return text, [note("repaired-drawing", stated, where)]
+    return text, [
+        note("repaired-drawing", "the file states no version ($ACADVER): read as AC1015", where)
+    ]
 
 
 # --- ezdxf ----------------------------------------------------------------------------------

@@ -478,32 +478,57 @@ def _left_out(placed: Placement, paper: int, file: str, rows: Rows) -> list[Diag
     """Return the findings about what was left out or simplified, each kind once."""
     where = FileSpan(file)
     findings = []
-    for make, code, census, template in (
-        (warning, "not-cut", placed.others, " not cut: {kinds}"),
-        (warning, "hidden-not-cut", placed.hidden, " hidden in the drawing and not cut: {kinds}"),
-        (note, "layer-left-out", placed.left_out, " on layers left out: {kinds}"),
-        (note, "type-left-out", placed.types_left_out, " of types left out: {kinds}"),
+    for make, code, census, one, many in (
+        (
+            warning,
+            "not-cut",
+            placed.others,
+            "{count} entity not cut: {kinds}",
+            "{count} entities not cut: {kinds}",
+        ),
+        (
+            warning,
+            "hidden-not-cut",
+            placed.hidden,
+            "{count} entity hidden in the drawing and not cut: {kinds}",
+            "{count} entities hidden in the drawing and not cut: {kinds}",
+        ),
+        (
+            note,
+            "layer-left-out",
+            placed.left_out,
+            "{count} entity on layers left out: {kinds}",
+            "{count} entities on layers left out: {kinds}",
+        ),
+        (
+            note,
+            "type-left-out",
+            placed.types_left_out,
+            "{count} entity of types left out: {kinds}",
+            "{count} entities of types left out: {kinds}",
+        ),
         (
             note,
             "look-left-out",
             placed.looks_left_out,
-            " of line types or colours left out: {kinds}",
+            "{count} entity of line types or colours left out: {kinds}",
+            "{count} entities of line types or colours left out: {kinds}",
         ),
         (
             warning,
             "start-layer",
             placed.no_points,
-            " on layer START that are no thread points: {kinds}",
+            "{count} entity on layer START that are no thread points: {kinds}",
+            "{count} entities on layer START that are no thread points: {kinds}",
         ),
     ):
         if not census:
             continue
         total = census.total()
-        one = make(code, "{count} entity" if total == 1 else "{count} entities", where, count=total)
         layers = sorted({layer for _, layer in census})
-        one = one.extended(template, kinds=_kinds(census))
+        left_out = make(code, one if total == 1 else many, where, count=total, kinds=_kinds(census))
         findings.append(
-            one.extended(
+            left_out.extended(
                 " (layers {layers})" if len(layers) > 1 else " (layer {layers})",
                 layers=first_of(layers, MOST_LAYERS),
             )

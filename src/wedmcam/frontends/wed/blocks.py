@@ -129,8 +129,12 @@ class Builder:
         one, two = size(*minus(chain.here, center)), size(*minus(end, center))
         if abs(self.um(one) - self.um(two)) > ROUND_UM:
             raise Wrong(
-                f"the centre is {float(one):.8g} from the start {self.told(chain.here)} of the arc "
-                f"and {float(two):.8g} from its end {self.told(end)}"
+                "the centre is {from_start:.8g} from the start {start} of the arc and "
+                "{from_end:.8g} from its end {end}",
+                from_start=float(one),
+                start=self.told(chain.here),
+                from_end=float(two),
+                end=self.told(end),
             )
         return self._arc(chain, turn, end, center, span)
 
@@ -143,8 +147,10 @@ class Builder:
             raise Wrong("an arc with a radius ends elsewhere than it starts")
         if self.um(half) - self.um(r) > SAME_UM:
             raise Wrong(
-                f"the ends of this arc are {float(half * 2):.8g} apart, more than twice the radius "
-                f"{float(r):.8g}"
+                "the ends of this arc are {apart:.8g} apart, more than twice the radius "
+                "{radius:.8g}",
+                apart=float(half * 2),
+                radius=float(r),
             )
         away = root((r - half) * (r + half))
         left = (turn > 0) == (radius > 0)
@@ -158,7 +164,10 @@ class Builder:
     ) -> Block:
         """Add an arc about a centre by an angle."""
         if not 0 < float(sweep) < 360:
-            raise Wrong(f"an arc sweeps more than 0 and less than 360 degrees, not {sweep}")
+            raise Wrong(
+                "an arc sweeps more than 0 and less than 360 degrees, not {sweep_deg:.10g}",
+                sweep_deg=float(sweep),
+            )
         n = self.numbers
         c, s = n.cos(sweep).value, n.sin(sweep).value
         if turn < 0:
@@ -192,13 +201,15 @@ class Builder:
     def circle(self, turn: int, center: XY, radius: Any, span: TextSpan) -> Chain:
         """Return a full circle, which starts at its right-most point."""
         if self.um(radius) < 1.0:
-            raise Wrong(f"a circle has a radius of 1 um or more, not {float(radius):.6g}")
+            raise Wrong(
+                "a circle has a radius of 1 um or more, not {radius:.6g}", radius=float(radius)
+            )
         start = plus(center, (radius, radius - radius))
         return Chain(start, span, [Block(start, span, center, turn)], True)
 
-    def finished(self, chain: Chain) -> tuple[Chain, list[tuple[str, TextSpan]]]:
-        """Return a chain with its corners made, and what cannot be made."""
-        wrong: list[tuple[str, TextSpan]] = []
+    def finished(self, chain: Chain) -> tuple[Chain, list[tuple[Exception, TextSpan]]]:
+        """Return a chain with its corners made, and why some cannot be made."""
+        wrong: list[tuple[Exception, TextSpan]] = []
         blocks = chain.blocks
         starts = [chain.start, *(b.end for b in blocks[:-1])]
         ends = [b.end for b in blocks]
@@ -209,7 +220,8 @@ class Builder:
             kind, value, span = b.corner
             j = (k + 1) % len(blocks)
             if j == 0 and not chain.closed:
-                wrong.append((f"no block follows this {kind}: nothing can be rounded", span))
+                last = Wrong("no block follows this {corner}: nothing can be rounded", corner=kind)
+                wrong.append((last, span))
                 continue
             try:
                 make = self._fillet if kind == "fillet" else self._chamfer
@@ -218,7 +230,7 @@ class Builder:
                 self._fits(starts[k], ends[k], b, one, True)
                 self._fits(starts[j], ends[j], blocks[j], two, False)
             except (Wrong, ArithmeticError, ValueError) as why:
-                wrong.append((str(why) or "this corner cannot be made", span))
+                wrong.append((why if str(why) else Wrong("this corner cannot be made"), span))
                 continue
             ends[k], starts[j], between[k] = one, two, piece
         out = Chain(starts[0] if blocks else chain.start, chain.span, [], chain.closed)
@@ -239,7 +251,8 @@ class Builder:
             length, dx, dy = far(ux, uy), float(d[0]), float(d[1])
             if float(ux) * dx + float(uy) * dy < -1e-9 * length * max(1.0, math.hypot(dx, dy)):
                 raise Wrong(
-                    f"the corner does not fit: its neighbour, {length:.6g} long, is too short"
+                    "the corner does not fit: its neighbour, {length:.6g} long, is too short",
+                    length=length,
                 )
             return
         a, b, p = (
@@ -257,7 +270,7 @@ class Builder:
             raise Wrong("a chamfer stands between two lines")
         d = value.value
         if not d > 0:
-            raise Wrong(f"a chamfer is longer than 0, not {value}")
+            raise Wrong("a chamfer is longer than 0, not {chamfer:.10g}", chamfer=float(value))
         t, u = heading(start, b, True), heading(b.end, c, False)
         one = minus(b.end, (t[0] * d, t[1] * d))
         two = plus(b.end, (u[0] * d, u[1] * d))
@@ -268,7 +281,7 @@ class Builder:
     ) -> tuple[XY, XY, Block]:
         r = value.value
         if not r > 0:
-            raise Wrong(f"a fillet has a radius above 0, not {value}")
+            raise Wrong("a fillet has a radius above 0, not {radius:.10g}", radius=float(value))
         corner = b.end
         t, u = heading(start, b, True), heading(corner, c, False)
         turn = cross(t, u)

@@ -19,7 +19,11 @@ LARGEST = 1e15
 
 
 class Wrong(Exception):  # noqa: N818 - a way out of one expression
-    """There is no such number; the text says why."""
+    """There is no such number, or no such block; a template and its values say why."""
+
+    def __init__(self, template: str, **values: Any) -> None:
+        super().__init__(template)
+        self.template, self.values = template, values
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +96,9 @@ class Numbers:
         try:
             value = work()
         except (ArithmeticError, ValueError, TypeError) as why:
-            raise Wrong(str(why) or "there is no such number") from None
+            if not str(why):
+                raise Wrong("there is no such number") from None
+            raise Wrong("{reason}", reason=str(why)) from None
         if isinstance(value, complex) or not abs(float(value)) <= LARGEST:
             raise Wrong("the result is beyond 10^15")
         return Number(value, _kept(exact))
@@ -134,7 +140,7 @@ class Numbers:
     def sqrt(self, a: Number) -> Number:
         """Return the square root."""
         if a.value < 0:
-            raise Wrong(f"the square root of {a} is no number")
+            raise Wrong("the square root of {number:.10g} is no number", number=float(a))
         return self._made(lambda: _call(a.value, "sqrt"), None)
 
     def sin(self, a: Number) -> Number:
@@ -148,7 +154,7 @@ class Numbers:
     def tan(self, a: Number) -> Number:
         """Return the tangent of an angle in degrees."""
         if a.fraction % 180 == 90:
-            raise Wrong(f"the tangent of {a} degrees is no number")
+            raise Wrong("the tangent of {angle_deg:.10g} degrees is no number", angle_deg=float(a))
         return self._made(lambda: self._turn(a, "tan"), None)
 
     def asin(self, a: Number) -> Number:

@@ -232,12 +232,12 @@ def _sections(tags: Tags) -> Iterator[Diagnostic]:
                 "stated-twice",
                 "section {section} is there twice ({places}): two drawings in one file, it seems"
                 if len(heads) == 2
-                else "section {section} is there {times} times ({places}): two drawings in one "
+                else "section {section} is there {often} times ({places}): two drawings in one "
                 "file, it seems",
                 tags.span(heads[1]),
                 hint="leave one of them",
                 section=name,
-                times=len(heads),
+                often=len(heads),
                 places=_places(tags, heads),
             )
 
@@ -268,11 +268,11 @@ def _variables(tags: Tags, reading: Reading) -> Iterator[Diagnostic]:
             "stated-twice",
             "the header states {variable} twice: {stated} ({places})"
             if len(places) == 2
-            else "the header states {variable} {times} times: {stated} ({places})",
+            else "the header states {variable} {often} times: {stated} ({places})",
             tags.span(places[1]),
             hint="--units settles what one drawing unit is" if bad else None,
             variable=name,
-            times=len(places),
+            often=len(places),
             stated=_stated(values),
             places=_places(tags, places),
         )
@@ -320,11 +320,11 @@ def _blocks(look: _Look) -> Iterator[Diagnostic]:
             "block-twice",
             "block {block} is defined twice"
             if len(blocks) == 2
-            else "block {block} is defined {times} times",
+            else "block {block} is defined {often} times",
             tags.span(places[1]),
             hint="rename or remove one of them in the CAD program" if read else None,
             block=_shown(names[0]),
-            times=len(blocks),
+            often=len(blocks),
         )
         if names[1:]:
             others = _shown(", ".join(names[1:]))
@@ -403,7 +403,7 @@ def _joined(look: _Look) -> Iterator[_Fact]:
             values: dict[str, Any] = {
                 "entity": look.entity(mark),
                 "group": code,
-                "times": len(own),
+                "often": len(own),
                 "hint": CURE,
             }
             place, span = look.place(mark, own[1]), tags.span(own[1])
@@ -414,7 +414,7 @@ def _joined(look: _Look) -> Iterator[_Fact]:
                         "{count} {entity} with group {group} twice: two entities in one, the line "
                         "that names the type of one is missing"
                         if len(own) == 2
-                        else "{count} {entity} with group {group} {times} times: two entities in "
+                        else "{count} {entity} with group {group} {often} times: two entities in "
                         "one, the line that names the type of one is missing",
                         span,
                         **values,
@@ -427,7 +427,7 @@ def _joined(look: _Look) -> Iterator[_Fact]:
                         "stated-twice",
                         "{count} {entity} with group {group} twice: as if two entities were one"
                         if len(own) == 2
-                        else "{count} {entity} with group {group} {times} times: as if two "
+                        else "{count} {entity} with group {group} {often} times: as if two "
                         "entities were one",
                         span,
                         **values,

@@ -336,7 +336,7 @@ def _unreadable(placed: Placement, unreadable: tuple[Unreadable, ...]) -> list[D
         findings.append(
             error(
                 "damaged-drawing",
-                "{entity} on layer {layer} ({handle}), there {times} times by its INSERTs cannot "
+                "{entity} on layer {layer} ({handle}), there {often} times by its INSERTs cannot "
                 "be read: {reason}"
                 if len(refs) > 1
                 else "{entity} on layer {layer} ({handle}) cannot be read: {reason}",
@@ -346,7 +346,7 @@ def _unreadable(placed: Placement, unreadable: tuple[Unreadable, ...]) -> list[D
                 entity=one.kind,
                 layer=ref.layer,
                 handle=_handles([ref]),
-                times=len(refs),
+                often=len(refs),
                 reason=one.why,
             )
         )

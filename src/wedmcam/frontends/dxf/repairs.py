@@ -247,15 +247,15 @@ def _handles(tags: Tags, edits: Edits) -> Iterator[Diagnostic]:
         there = [int(places[k]) for k in mine if values[k] == twice[0]]
         yield note(
             "repaired-drawing",
-            "handle {handle} is there {times} times, and {further} more: all are read, and a "
+            "handle {handle} is there {often} times, and {further} more: all are read, and a "
             "finding that names it may mean each ({places})"
             if len(twice) > 1
-            else "handle {handle} is there {times} times: all are read, and a finding that names "
+            else "handle {handle} is there {often} times: all are read, and a finding that names "
             "it may mean each ({places})",
             tags.span(there[1]),
             count=len(twice),
             handle=twice[0],
-            times=counts[twice[0]],
+            often=counts[twice[0]],
             further=len(twice) - 1,
             places=_places(tags, there),
         )

@@ -9,7 +9,7 @@ from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, option_texts, 
 from wedmcam.frontends.wed.blocks import SAME_UM, Builder, Chain, minus, size
 from wedmcam.frontends.wed.chunks import RESERVED, Piece, Source, pieces
 from wedmcam.frontends.wed.grammar import Node, parsed
-from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong
+from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong, wrong
 from wedmcam.frontends.wed.values import FACTORS, KNOWN, Scope, Stop, Value, kind_of, near
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.figure import Sequence as Stages
@@ -149,7 +149,7 @@ class _Reader:
         for defined, (_, span) in self.defines.items():
             if defined not in self.used:
                 lets = [n for n in scope.later if n not in self.blocks]
-                scope.tell_unknown("-D: no 'let' is called '{name}'", span, defined, lets)
+                scope.tell_unknown("-D: no 'let' is called '{name}'", span, lets, name=defined)
         if not self.cuts and not has_errors(scope.found):
             scope.found.append(
                 error(
@@ -348,7 +348,7 @@ class _Reader:
         if heading is not None:
             name = self._named(heading.items[0])
         if not ended and heading is not None:
-            scope.tell("wed-syntax", "the '}' of this contour is missing",
+            scope.tell("wed-syntax", "the '}}' of this contour is missing",
                        self.source.span(piece.start, piece.end))  # fmt: skip
         chains, good = self._chains(body)
         contours: list[Contour] = []
@@ -359,11 +359,11 @@ class _Reader:
                     scope.tell("wed-contour", "no block follows: a point cannot be cut", chain.span)
                 good = False
                 continue
-            made, wrong = builder.finished(chain)
-            for why, span in wrong:
+            made, failures = builder.finished(chain)
+            for why, span in failures:
                 scope.tell_wrong("wed-contour", why, span)
                 good = False
-            if wrong:
+            if failures:
                 continue
             if made.closed and len(made.blocks) < 3 and not any(b.turn for b in made.blocks):
                 scope.tell("wed-contour", "this contour runs out and back on one line: it encloses "
@@ -481,7 +481,7 @@ class _Reader:
         span: TextSpan,
     ) -> None:
         if not chain.blocks:
-            raise Wrong("there is nothing to close yet")
+            raise wrong("there is nothing to close yet")
         if float(size(*minus(chain.here, chain.start))) * self.scope.factor > SAME_UM:
             builder.line(chain, chain.start, span)
         else:

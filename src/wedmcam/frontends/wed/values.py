@@ -89,13 +89,15 @@ class Scope:
     def tell_wrong(self, code: str, why: Exception, span: TextSpan) -> None:
         """Report why a number or a block cannot be."""
         if isinstance(why, Wrong):
-            self.found.append(error(code, why.template, span, **why.values))
+            self.found.append(why.finding(code, span))
         elif str(why):
             self.tell(code, "{reason}", span, reason=str(why))
         else:
             self.tell(code, "this block cannot be", span)
 
-    def tell_unknown(self, template: str, span: TextSpan, name: str, known: Iterable[str]) -> None:
+    def tell_unknown(
+        self, template: str, span: TextSpan, known: Iterable[str], *, name: str
+    ) -> None:
         """Report a name that nothing has, with the nearest of those that are known."""
         nearest = near(name, known)
         self.tell(
@@ -220,7 +222,7 @@ class Scope:
             )
         else:
             known = [*self.names, *KNOWN]
-            self.tell_unknown("nothing is called '{name}'", self.span(node), name, known)
+            self.tell_unknown("nothing is called '{name}'", self.span(node), known, name=name)
         raise Stop
 
     def _member(self, node: Node) -> Value:
@@ -308,7 +310,7 @@ class Scope:
         name, given = node.items[0].text, node.items[1:]
         if name not in (*FUNCTIONS, "polar"):
             place, known = self.span(node.items[0]), (*FUNCTIONS, "polar")
-            self.tell_unknown("no function is called '{name}'", place, name, known)
+            self.tell_unknown("no function is called '{name}'", place, known, name=name)
             raise Stop
         takes = {"atan2": (2, 2), "polar": (2, 3), "min": (1, 99), "max": (1, 99)}.get(name, (1, 1))
         if not takes[0] <= len(given) <= takes[1]:

@@ -20,7 +20,7 @@ from wedmcam.ir.contour import VERTEX, Contour
 XY = tuple[Any, Any]
 
 #: Nearer than this is the same place, um (chains join within it).
-SAME_UM = 1.0
+SAME_PLACE_UM = 1.0
 #: The radius at both ends of an arc may differ by this, um: ends and centre are rounded.
 ROUND_UM = 2.0
 
@@ -145,7 +145,7 @@ class Builder:
         r = -radius if radius < 0 else radius
         if self.um(half) < 1e-3:
             raise wrong("an arc with a radius ends elsewhere than it starts")
-        if self.um(half) - self.um(r) > SAME_UM:
+        if self.um(half) - self.um(r) > SAME_PLACE_UM:
             raise wrong(
                 "the ends of this arc are {apart:.8g} apart, more than twice the radius "
                 "{radius:.8g}",

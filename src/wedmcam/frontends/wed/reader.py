@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Sequence
 
 from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, option_texts, warning
-from wedmcam.frontends.wed.blocks import SAME_UM, Builder, Chain, minus, size
+from wedmcam.frontends.wed.blocks import SAME_PLACE_UM, Builder, Chain, minus, size
 from wedmcam.frontends.wed.chunks import RESERVED, Piece, Source, pieces
 from wedmcam.frontends.wed.grammar import Node, parsed
 from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong, wrong
@@ -482,7 +482,7 @@ class _Reader:
     ) -> None:
         if not chain.blocks:
             raise wrong("there is nothing to close yet")
-        if float(size(*minus(chain.here, chain.start))) * self.scope.factor > SAME_UM:
+        if float(size(*minus(chain.here, chain.start))) * self.scope.factor > SAME_PLACE_UM:
             builder.line(chain, chain.start, span)
         else:
             chain.blocks[-1].end = chain.start

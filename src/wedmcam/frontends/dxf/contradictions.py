@@ -10,12 +10,14 @@ Array operations find the few entities that may be concerned; only those are wal
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Span, error, note, warning
+from wedmcam.diag import Diagnostic, error, note, warning
+from wedmcam.diag.lists import Listing, all_of, first_of
 from wedmcam.frontends.dxf.repairs import MARKERS
 from wedmcam.frontends.dxf.tags import CODES, Tags
 
@@ -67,6 +69,8 @@ SECTIONS = ("TABLES", "BLOCKS", "ENTITIES")
 NAMES = (2, 8)
 #: How many places a finding about many entities names.
 NAMED = 5
+#: How to mend an entity that contradicts itself.
+CURE = "export the drawing again, or correct the line named"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,33 +95,45 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class _Fact:
-    """One contradiction: what entities of a type may share, its figures, where, and how bad."""
+    """One contradiction of one entity: the finding, where, and what others may share.
 
-    say: Callable[..., Diagnostic]
-    code: str
-    subject: str
-    what: str
-    figures: str
-    span: Span
+    Attributes:
+        finding: about this entity alone, a template of ``{count} {entity} ...``.
+        place: its line and handle.
+        differs: names of the values in which entities of one finding may differ.
+    """
+
+    finding: Diagnostic
     place: str
+    differs: tuple[str, ...] = ()
+
+    @property
+    def kind(self) -> tuple[object, ...]:
+        """What entities have in common that share a finding."""
+        d = self.finding
+        shared = [str(value) for name, value in d.values.items() if name not in self.differs]
+        return d.severity, d.code, d.template, *shared
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The values in which they may differ."""
+        return tuple(str(self.finding.values[name]) for name in self.differs)
 
 
 def contradictions(tags: Tags, reading: Reading) -> list[Diagnostic]:
     """Return the findings about what a file says twice, leaves out, or counts otherwise."""
     look = _Look(tags, reading)
-    found = [*_sections(tags), *_variables(tags, reading), *_layers(tags), *_blocks(look)]
-    groups: dict[tuple[str, str, str, Callable[..., Diagnostic]], list[_Fact]] = {}
+    findings = [*_sections(tags), *_variables(tags, reading), *_layers(tags), *_blocks(look)]
+    groups: dict[tuple[object, ...], list[_Fact]] = {}
     for fact in (*_repeats(look), *_joined(look), *_missing(look), *_counts(look), *_early(look)):
-        groups.setdefault((fact.code, fact.subject, fact.what, fact.say), []).append(fact)
-    hint = "export the drawing again, or correct the line named"
-    for (code, subject, what, say), facts in groups.items():
-        places = ", ".join(f.place for f in facts[:NAMED])
-        more = f" and {len(facts) - NAMED} more" if len(facts) > NAMED else ""
-        first = facts[0].figures
-        such = first if len({f.figures for f in facts}) == 1 else f"{first} in the first"
-        message = f"{len(facts)} {subject} {what}: {such} ({places}{more})"
-        found.append(say(code, message, facts[0].span, hint=hint, count=len(facts)))
-    return found
+        groups.setdefault(fact.kind, []).append(fact)
+    for facts in groups.values():
+        finding = replace(facts[0].finding, count=len(facts))
+        if len({fact.figures for fact in facts}) > 1:
+            finding = finding.extended(" in the first")
+        places = first_of([fact.place for fact in facts], NAMED)
+        findings.append(finding.extended(" ({places})", places=places))
+    return findings
 
 
 class _Look:
@@ -182,27 +198,26 @@ class _Look:
         names = [self.tags.value(at).strip() for at, code in self.tags.own(mark) if code == 8]
         return len({self.reading.layer(name) for name in names}) == 1
 
-    def fact(
-        self,
-        code: str,
-        mark: int,
-        what: str,
-        figures: str,
-        at: int,
-        same: bool = False,
-        used: bool = True,
-    ) -> _Fact:
-        """Return what is wrong with an entity: an error if it is read, a note if it is the same.
+    def severity(self, mark: int, at: int, same: bool = False) -> Callable[..., Diagnostic]:
+        """Return how bad something at ``at`` is: an error if it is read, a note if it is the same.
 
-        ``used``: whether the program would depend on it; else it is a warning.
+        Otherwise it is a warning.
         """
-        say = note if same else error if used and self.is_read(mark) else warning
-        if say is error and int(self.tags.codes[at]) == 8 and self.on_layers_alike(mark):
-            say = warning
+        if same:
+            return note
+        if not self.is_read(mark):
+            return warning
+        by_layer = int(self.tags.codes[at]) == 8 and self.on_layers_alike(mark)
+        return warning if by_layer else error
+
+    def place(self, mark: int, at: int) -> str:
+        """Return the place of a tag and the handle of its entity."""
         handle = self.tags.first(mark, 5)
-        place = self.tags.place(at) + (f", #{handle}" if handle else "")
-        kind = self.kind_of[int(self.tags.kinds[mark])]
-        return _Fact(say, code, kind, what, figures, self.tags.span(at), place)
+        return self.tags.place(at) + (f", #{handle}" if handle else "")
+
+    def entity(self, mark: int) -> str:
+        """Return the type of an entity."""
+        return self.kind_of[int(self.tags.kinds[mark])]
 
 
 # --- stated twice -----------------------------------------------------------------------------
@@ -213,13 +228,17 @@ def _sections(tags: Tags) -> Iterator[Diagnostic]:
     for name in SECTIONS:
         heads = [int(tags.marks[mark - 1]) + 1 for other, mark, _ in tags.sections if other == name]
         if len(heads) > 1:
-            places = " and ".join(tags.place(at) for at in heads[:NAMED])
             yield error(
                 "stated-twice",
-                f"section {name} is there {_times(len(heads))} ({places}): two drawings in one "
+                "section {section} is there twice ({places}): two drawings in one file, it seems"
+                if len(heads) == 2
+                else "section {section} is there {often} times ({places}): two drawings in one "
                 "file, it seems",
                 tags.span(heads[1]),
                 hint="leave one of them",
+                section=name,
+                often=len(heads),
+                places=_places(tags, heads),
             )
 
 
@@ -247,10 +266,15 @@ def _variables(tags: Tags, reading: Reading) -> Iterator[Diagnostic]:
         say = error if bad else note if same else warning
         yield say(
             "stated-twice",
-            f"the header states {name} {_times(len(places))}: {_listed(values)} "
-            f"({' and '.join(tags.place(at) for at in places[:NAMED])})",
+            "the header states {variable} twice: {stated} ({places})"
+            if len(places) == 2
+            else "the header states {variable} {often} times: {stated} ({places})",
             tags.span(places[1]),
             hint="--units settles what one drawing unit is" if bad else None,
+            variable=name,
+            often=len(places),
+            stated=_stated(values),
+            places=_places(tags, places),
         )
 
 
@@ -269,10 +293,11 @@ def _layers(tags: Tags) -> Iterator[Diagnostic]:
             places = [int(tags.marks[mark]) for mark in marks_of.values()]
             yield error(
                 "stated-twice",
-                f"layer {_shown(layer)} is there twice, shown by one entry and hidden by another "
-                f"({' and '.join(tags.place(at) for at in places)})",
+                "layer {layer} is there twice, shown by one entry and hidden by another ({places})",
                 tags.span(places[1]),
                 hint="leave one of them",
+                layer=_shown(layer),
+                places=_places(tags, places),
             )
 
 
@@ -291,18 +316,26 @@ def _blocks(look: _Look) -> Iterator[Diagnostic]:
         marks = [mark for _, mark in blocks]
         places = [int(tags.marks[mark]) for mark in marks]
         read = look.block_is_read(marks[0])
-        other = (
-            f", also as {_shown(', '.join(names[1:]))}: case makes no difference"
-            if names[1:]
-            else ""
-        )
-        then = "which of them an INSERT means cannot be told" if read else "nothing of it is cut"
-        yield (error if read else warning)(
+        finding = (error if read else warning)(
             "block-twice",
-            f"block {_shown(names[0])} is defined {_times(len(blocks))}{other} "
-            f"({' and '.join(tags.place(at) for at in places[:NAMED])}); {then}",
+            "block {block} is defined twice"
+            if len(blocks) == 2
+            else "block {block} is defined {often} times",
             tags.span(places[1]),
             hint="rename or remove one of them in the CAD program" if read else None,
+            block=_shown(names[0]),
+            often=len(blocks),
+        )
+        if names[1:]:
+            others = _shown(", ".join(names[1:]))
+            finding = finding.extended(
+                ", also as {others}: case makes no difference", others=others
+            )
+        yield finding.extended(
+            " ({places}); which of them an INSERT means cannot be told"
+            if read
+            else " ({places}); nothing of it is cut",
+            places=_places(tags, places),
         )
 
 
@@ -313,30 +346,41 @@ def _repeats(look: _Look) -> Iterator[_Fact]:
         kind = look.kind_of[int(tags.kinds[mark])]
         single, at_point = {*ALL, *SINGLE[kind]}, AT_POINT.get(kind, ())
         seen: dict[int, int] = {}
-        told: dict[int, list[int]] = {}
+        repeated: dict[int, list[int]] = {}
         for at, code in tags.own(mark):
             if at_point and code in POINTS:
                 seen = {c: a for c, a in seen.items() if c not in at_point}
             if code not in single and code not in at_point:
                 continue
             if code in seen:
-                told.setdefault(seen[code], [seen[code]]).append(at)
+                repeated.setdefault(seen[code], [seen[code]]).append(at)
             else:
                 seen[code] = at
         alike: list[bool] = []
-        texts: list[tuple[str, str]] = []
-        for places in told.values():
+        repeats: list[tuple[str, str]] = []
+        for places in repeated.values():
             code = int(tags.codes[places[0]])
             values = [tags.value(at).strip() for at in places]
             alike.append(all(_same(values[0], value, code) for value in values[1:]))
-            what = "the same" if alike[-1] else _listed(values)
-            texts.append((f"group {code} {_times(len(places))}", what))
+            stated = "the same" if alike[-1] else str(_stated(values))
+            repeats.append((f"group {code} {_times(len(places))}", stated))
         if alike:
             same = all(alike)
-            worst = [t for t, a in zip(texts, alike, strict=True) if same or not a]
-            places = list(told.values())[alike.index(same)]
-            what, figures = ("; ".join(part) for part in zip(*worst, strict=True))
-            yield look.fact("stated-twice", mark, f"with {what}", figures, places[-1], same)
+            worst = [r for r, a in zip(repeats, alike, strict=True) if same or not a]
+            at = list(repeated.values())[alike.index(same)][-1]
+            yield _Fact(
+                look.severity(mark, at, same)(
+                    "stated-twice",
+                    "{count} {entity} with {repeats}: {stated}",
+                    tags.span(at),
+                    hint=CURE,
+                    entity=kind,
+                    repeats=Listing([repeat for repeat, _ in worst], "; "),
+                    stated=Listing([values for _, values in worst], "; "),
+                ),
+                look.place(mark, at),
+                ("stated",),
+            )
 
 
 def _joined(look: _Look) -> Iterator[_Fact]:
@@ -356,16 +400,40 @@ def _joined(look: _Look) -> Iterator[_Fact]:
                 own = [at for at in own if tags.value(at).strip() == "AcDbEntity"]
             if len(own) < 2 or (code == 100 and len(_own(tags, mark, 5)) > 1):
                 continue
-            handle = tags.first(mark, 5)
-            place = tags.place(own[1]) + (f", #{handle}" if handle else "")
-            kind = look.kind_of[int(tags.kinds[mark])]
-            what = f"with group {code} {_times(len(own))}"
+            values: dict[str, Any] = {
+                "entity": look.entity(mark),
+                "group": code,
+                "often": len(own),
+                "hint": CURE,
+            }
+            place, span = look.place(mark, own[1]), tags.span(own[1])
             if any(tags.value(at).strip() != tags.value(own[0]).strip() for at in own):
-                figures = "two entities in one, the line that names the type of one is missing"
-                yield _Fact(error, "stated-twice", kind, what, figures, tags.span(own[1]), place)
-            elif code == 100 and kind not in MARKERS:
-                figures = "as if two entities were one"
-                yield _Fact(warning, "stated-twice", kind, what, figures, tags.span(own[1]), place)
+                yield _Fact(
+                    error(
+                        "stated-twice",
+                        "{count} {entity} with group {group} twice: two entities in one, the line "
+                        "that names the type of one is missing"
+                        if len(own) == 2
+                        else "{count} {entity} with group {group} {often} times: two entities in "
+                        "one, the line that names the type of one is missing",
+                        span,
+                        **values,
+                    ),
+                    place,
+                )
+            elif code == 100 and look.entity(mark) not in MARKERS:
+                yield _Fact(
+                    warning(
+                        "stated-twice",
+                        "{count} {entity} with group {group} twice: as if two entities were one"
+                        if len(own) == 2
+                        else "{count} {entity} with group {group} {often} times: as if two "
+                        "entities were one",
+                        span,
+                        **values,
+                    ),
+                    place,
+                )
 
 
 def _own(tags: Tags, mark: int, code: int) -> list[int]:
@@ -442,9 +510,18 @@ def _missing(look: _Look) -> Iterator[_Fact]:
             mark = int(marks[k])
             missing = [code for code in needed if not there[code][k]]
             missing = missing or [code for code in pair if not there[code][k]]
-            what = f"without group {' and '.join(str(code) for code in missing)}"
-            figures = "no value to cut by"
-            yield look.fact("not-stated", mark, what, figures, int(tags.marks[mark]))
+            at = int(tags.marks[mark])
+            yield _Fact(
+                look.severity(mark, at)(
+                    "not-stated",
+                    "{count} {entity} without group {groups}: no value to cut by",
+                    tags.span(at),
+                    hint=CURE,
+                    entity=kind,
+                    groups=Listing(missing, " and "),
+                ),
+                look.place(mark, at),
+            )
 
 
 # --- counted otherwise ------------------------------------------------------------------------
@@ -472,9 +549,21 @@ def _counts(look: _Look) -> Iterator[_Fact]:
                 mark = int(marks[k])
                 own = [c for a, c in tags.own(mark) if c == of or a == at]
                 if code in own and stated != own.count(of):
-                    what = f"with another number of {words} than stated"
-                    figures = f"{stated} stated, {own.count(of)} there"
-                    yield look.fact("stated-count", mark, what, figures, at)
+                    yield _Fact(
+                        look.severity(mark, at)(
+                            "stated-count",
+                            "{count} {entity} with another number of {counted} than stated: "
+                            "{stated} stated, {there} there",
+                            tags.span(at),
+                            hint=CURE,
+                            entity=kind,
+                            counted=words,
+                            stated=stated,
+                            there=own.count(of),
+                        ),
+                        look.place(mark, at),
+                        ("stated", "there"),
+                    )
 
 
 # --- before what it belongs to ----------------------------------------------------------------
@@ -499,9 +588,19 @@ def _early(look: _Look) -> Iterator[_Fact]:
         except ValueError:
             continue
         if bulge:
-            what = "with a bulge (group 42) before the first vertex"
-            figures = f"{bulge:g} belongs to no vertex and is not used"
-            yield look.fact("misplaced-group", int(marks[k]), what, figures, at, used=False)
+            yield _Fact(
+                warning(
+                    "misplaced-group",
+                    "{count} {entity} with a bulge (group 42) before the first vertex: "
+                    "{bulge:g} belongs to no vertex and is not used",
+                    tags.span(at),
+                    hint=CURE,
+                    entity="LWPOLYLINE",
+                    bulge=bulge,
+                ),
+                look.place(int(marks[k]), at),
+                ("bulge",),
+            )
 
 
 # --- in words ---------------------------------------------------------------------------------
@@ -537,11 +636,14 @@ def _shown(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in text[:40])
 
 
-def _listed(values: list[str]) -> str:
-    """Return different values in words.
+def _stated(values: list[str]) -> Listing:
+    """Return different values, as many as are named.
 
-    >>> _listed(["5", "7"]), _listed(["1", "2", "3"])
-    ('5 and 7', '1, 2 and 3')
+    >>> print(_stated(["5", "7"]), "|", _stated(["1", "2", "3"]))
+    5 and 7 | 1, 2 and 3
     """
-    shown = [_shown(value) for value in values[:NAMED]]
-    return f"{', '.join(shown[:-1])} and {shown[-1]}"
+    return all_of(_shown(value) for value in values[:NAMED])
+
+
+def _places(tags: Tags, places: list[int]) -> Listing:
+    return Listing([tags.place(at) for at in places[:NAMED]], " and ")

@@ -38,7 +38,7 @@ LIGHT = 1e-9
 #: A fit may miss its tolerance by this share, for rounding; beyond it, it is said.
 SLACK = 1e-6
 #: Ends of pieces of a curve that differ by less are the same place, um.
-SAME_UM = 1e-3
+SAME_PIECE_END_UM = 1e-3
 
 
 class CurveError(Exception):
@@ -212,7 +212,7 @@ def _through(entity: Any, fitted: Floats, closed: bool) -> tuple[Floats, Floats,
 
 def _ring(fitted: Floats) -> tuple[Floats, Floats, int]:
     """Return the periodic cubic through points, parameters by chord length, as Bezier pieces."""
-    if (np.abs(fitted[0] - fitted[-1]) <= SAME_UM).all():
+    if (np.abs(fitted[0] - fitted[-1]) <= SAME_PIECE_END_UM).all():
         fitted = fitted[:-1]
     n = len(fitted)
     after = np.roll(fitted, -1, axis=0)
@@ -489,7 +489,7 @@ def _meet(rows: Rows, of: Ints) -> None:
     before = np.arange(len(rows)) - 1
     before[first] = np.flatnonzero(last)  # a closed curve starts where it ends
     gap = np.hypot(rows["x0"] - rows["x1"][before], rows["y0"] - rows["y1"][before])
-    near = gap <= SAME_UM
+    near = gap <= SAME_PIECE_END_UM
     if len(rows) > 1:
         near &= ~(first & last)
     else:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wedmcam.diag import Diagnostic, FileSpan, warning
+from wedmcam.diag.lists import first_of
 from wedmcam.frontends.dxf.kinds import UNREADABLE
 from wedmcam.frontends.options import DrawingReading
 from wedmcam.ir.colours import colour_of, of_rgb, shown
@@ -170,37 +171,36 @@ def filters_of(
         asked[name] = tuple(colour_of(text) for text in asked[name])
     there = _there(doc, type_of) if any(asked.values()) else {}
     names = {name: Names(asked[name], there.get(what, ())) for name, what in FILTERS.items()}
-    found = []
+    findings = []
     for name, what in FILTERS.items():
         if wished is not None and name not in wished:
             continue
         for word in names[name].unmatched:
-            told = shown(word) if what == "colour" else word
-            found.append(
-                warning(
-                    "filter-unmatched",
-                    f"{option_of(name)} {told}: nothing in the drawing has that {what}",
-                    FileSpan(file),
-                    hint=_near(word, sorted(there[what]), what),
-                )
+            unmatched = warning(
+                "filter-unmatched",
+                "{option} {name}: nothing in the drawing has that {property}",
+                FileSpan(file),
+                option=option_of(name),
+                name=shown(word) if what == "colour" else word,
+                property=what,
             )
+            findings.append(_with_nearest(unmatched, word, sorted(there[what]), what))
     both = [Both(names[k], names[f"ignore_{k}"]) for k in _NAMED]
-    return Filters(*both), found
+    return Filters(*both), findings
 
 
-def _near(word: str, there: list[str], what: str) -> str:
+def _with_nearest(unmatched: Diagnostic, word: str, there: list[str], what: str) -> Diagnostic:
+    """Return the finding with the name that is nearest to a word, or the names that there are."""
     if what == "colour":
-        return f"there is {_listed([shown(colour) for colour in there])}"
-    folded = {name.casefold(): name for name in there}
-    near = difflib.get_close_matches(word.casefold(), folded, 1, 0.6)
-    if near:
-        return f"did you mean {folded[near[0]]}?"
-    return f"there is {_listed(there)}"
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return (", ".join(names[:NAMED]) or "none") + more
+        there = [shown(colour) for colour in there]
+    else:
+        folded = {name.casefold(): name for name in there}
+        near = difflib.get_close_matches(word.casefold(), folded, 1, 0.6)
+        if near:
+            return unmatched.extended(hint="did you mean {nearest}?", nearest=folded[near[0]])
+    if not there:
+        return unmatched.extended(hint="there is none")
+    return unmatched.extended(hint="there is {there}", there=first_of(there, NAMED))
 
 
 def _there(doc: Any, type_of: Any) -> dict[str, set[str]]:

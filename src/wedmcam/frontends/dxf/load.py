@@ -27,7 +27,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from wedmcam.diag import (
     note,
     warning,
 )
+from wedmcam.diag.lists import Listing
 from wedmcam.frontends.dxf.kinds import GEOMETRY, WITH_BOUNDS
 from wedmcam.frontends.dxf.repairs import COMMENT, drawn, repaired, written
 from wedmcam.frontends.dxf.salvage import Hopeless, Unreadable, salvage
@@ -115,8 +116,8 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
     where = FileSpan(file)
     if not data.strip():
         return None, (error("not-dxf", "the file is empty", where),)
-    if large := _too_large(data):
-        return None, (error("too-large", large, where, hint="export the outlines alone"),)
+    if large := _too_large(data, where):
+        return None, (large,)
     if data.startswith(BINARY):
         tags = tags_of_binary(data, file, encoding_of_binary(data))
         edits, found = repaired(tags)
@@ -127,21 +128,38 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         return _parsed(text, tags, _header(text.encode("latin-1", "replace")), found)
     for magic, what, cure in OTHERS:
         if data[:64].lstrip().startswith(magic):
-            return None, (error("not-dxf", f"not a DXF drawing but {what}", where, hint=cure),)
+            return None, (
+                error(
+                    "not-dxf",
+                    "not a DXF drawing but {kind}",
+                    where,
+                    hint="{cure}",
+                    kind=what,
+                    cure=cure,
+                ),
+            )
     header, decoded = _decoded(data)
     if decoded is None:
         return None, (error("not-dxf", "not a DXF drawing: the file is not text", where),)
     text = decoded
     if not _begins(text):
-        why = "the first line is no group code" if not _CODE.match(text.split("\n", 1)[0]) else ""
-        why = why or "it does not begin with a section"
-        return None, (error("not-dxf", f"not a DXF drawing: {why}", where),)
+        return None, (
+            error(
+                "not-dxf",
+                "not a DXF drawing: it does not begin with a section"
+                if _CODE.match(text.split("\n", 1)[0])
+                else "not a DXF drawing: the first line is no group code",
+                where,
+            ),
+        )
     conflict = _CONFLICT.search(text)
     if conflict:
         line = text.count("\n", 0, conflict.start()) + 1
         span = TextSpan(file, line, 1, conflict.end() - conflict.start())
-        shown = conflict.group()[:20]
-        return None, (error("merge-conflict", f"a version control conflict: {shown}", span),)
+        mark = conflict.group()[:20]
+        return None, (
+            error("merge-conflict", "a version control conflict: {mark}", span, mark=mark),
+        )
     tags = tags_of_text(text, file)
     found = [*_behind(tags), *_misplaced(tags)]
     edits, notes = repaired(tags)
@@ -150,33 +168,65 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         text = written(tags, edits)
     elif tags.behind is not None:
         text = tags.text()
-    text, said = _with_version(text, header)
-    if said:
-        found.append(note("repaired-drawing", said, where))
-    return _parsed(text, tags, header, found)
+    text, version_notes = _with_version(text, header, where)
+    return _parsed(text, tags, header, [*found, *version_notes])
 
 
-def _too_large(data: bytes) -> str:
-    """Return how a file is larger than any part, empty if it is not; before anything is read."""
-    if data.startswith(BINARY) and len(data) > MOST_BINARY:
-        return f"the drawing has {len(data):,} bytes; no more than {MOST_BINARY:,} are read"
-    if len(data) > MOST_BYTES:
-        return f"the drawing has {len(data):,} bytes; no more than {MOST_BYTES:,} are read"
+def _too_large(data: bytes, where: FileSpan) -> Diagnostic | None:
+    """Return the error about a file that is larger than any part; before anything is read."""
+    most = MOST_BINARY if data.startswith(BINARY) else MOST_BYTES
+    if len(data) > most:
+        return error(
+            "too-large",
+            "the drawing has {size:,} bytes; no more than {most:,} are read",
+            where,
+            hint="export the outlines alone",
+            size=len(data),
+            most=most,
+        )
     if len(data) > MOST_LINES and (lines := data.count(b"\n")) > MOST_LINES:
-        return f"the drawing has {lines:,} lines; no more than {MOST_LINES:,} are read"
-    return ""
+        return error(
+            "too-large",
+            "the drawing has {lines:,} lines; no more than {most:,} are read",
+            where,
+            hint="export the outlines alone",
+            lines=lines,
+            most=MOST_LINES,
+        )
+    return None
 
 
 def _behind(tags: Tags) -> list[Diagnostic]:
     """Return a note where data are behind the end mark, and a warning where they are a drawing."""
     if tags.behind is None:
         return []
-    span, many, second = tags.behind
-    if second is None:
-        return [note("behind-end", f"{many} behind the end mark (EOF), not read", span)]
-    text = f"a second drawing behind the end mark (EOF), not read: {many}"
-    hint = "save it as a file of its own, if it is meant"
-    return [warning("behind-end", text, second, hint=hint)]
+    size = tags.behind.size
+    if tags.behind.second is None:
+        return [
+            note(
+                "behind-end",
+                "{size} bytes behind the end mark (EOF), not read"
+                if tags.is_binary
+                else "{size} line behind the end mark (EOF), not read"
+                if size == 1
+                else "{size} lines behind the end mark (EOF), not read",
+                tags.behind.span,
+                size=size,
+            )
+        ]
+    return [
+        warning(
+            "behind-end",
+            "a second drawing behind the end mark (EOF), not read: {size} bytes"
+            if tags.is_binary
+            else "a second drawing behind the end mark (EOF), not read: {size} line"
+            if size == 1
+            else "a second drawing behind the end mark (EOF), not read: {size} lines",
+            tags.behind.second,
+            hint="save it as a file of its own, if it is meant",
+            size=size,
+        )
+    ]
 
 
 def _misplaced(tags: Tags) -> list[Diagnostic]:
@@ -186,7 +236,17 @@ def _misplaced(tags: Tags) -> list[Diagnostic]:
     inside = drawn(tags)
     numbers = [tags.names[kind] for kind in GEOMETRY | WITH_BOUNDS if kind in tags.names]
     lost = np.flatnonzero(np.isin(tags.kinds, numbers) & ~inside).tolist()
-    found = [_misplaced_in(tags, lost, "outside of the sections BLOCKS and ENTITIES")]
+    findings: list[Diagnostic] = []
+    if lost:
+        findings.append(
+            error(
+                "damaged-drawing",
+                "{entities} outside of the sections BLOCKS and ENTITIES, from {place} on: they "
+                "would be lost",
+                hint=AGAIN,
+                **_misplaced_in(tags, lost),
+            )
+        )
     opens, ends = (tags.names.get(name, -1) for name in ("BLOCK", "ENDBLK"))
     for name, first, last in tags.sections:
         if name == "BLOCKS":
@@ -197,28 +257,56 @@ def _misplaced(tags: Tags) -> list[Diagnostic]:
             lost = (first + np.flatnonzero(wrong)).tolist()
             if not lost and len(depth) and depth[-1]:
                 lost = [first + int(np.flatnonzero(kinds == opens)[-1])]
-            found.append(_misplaced_in(tags, lost, "outside of BLOCK and ENDBLK"))
+            if lost:
+                findings.append(
+                    error(
+                        "damaged-drawing",
+                        "{entities} outside of BLOCK and ENDBLK, from {place} on: they would be "
+                        "lost",
+                        hint=AGAIN,
+                        **_misplaced_in(tags, lost),
+                    )
+                )
             heads = (first + np.flatnonzero(kinds == opens)).tolist()
             lost = [mark for mark in heads if not tags.first(mark, 2)]
-            found.append(_misplaced_in(tags, lost, "without a name (group 2)"))
+            if lost:
+                findings.append(
+                    error(
+                        "damaged-drawing",
+                        "{entities} without a name (group 2), from {place} on: they would be lost",
+                        hint=AGAIN,
+                        **_misplaced_in(tags, lost),
+                    )
+                )
         if name in ("BLOCKS", "ENTITIES"):
             head = int(tags.marks[first - 1])
             codes = [code for _, code in tags.own(first - 1) if code != COMMENT]
             if len(codes) > 1:
-                text = f"{len(codes) - 1} groups between the head of section {name} and its first "
-                text += f"entity ({tags.place(head)}): the line that names a type is missing"
-                found.append([error("damaged-drawing", text, tags.span(head), hint=AGAIN)])
-    return [d for some in found for d in some]
+                findings.append(
+                    error(
+                        "damaged-drawing",
+                        "{groups} groups between the head of section {section} and its first "
+                        "entity ({place}): the line that names a type is missing",
+                        tags.span(head),
+                        hint=AGAIN,
+                        groups=len(codes) - 1,
+                        section=name,
+                        place=tags.place(head),
+                    )
+                )
+    return findings
 
 
-def _misplaced_in(tags: Tags, lost: list[int], where: str) -> list[Diagnostic]:
-    if not lost:
-        return []
+def _misplaced_in(tags: Tags, lost: list[int]) -> dict[str, Any]:
+    """Return where marks are that would be lost, and the values of the error about them."""
     at = int(tags.marks[lost[0]])
     kinds = Counter(tags.value(int(tags.marks[mark])).strip() for mark in lost)
-    many = ", ".join(f"{n} {kind}" for kind, n in sorted(kinds.items())[:5])
-    text = f"{many} {where}, from {tags.place(at)} on: they would be lost"
-    return [error("damaged-drawing", text, tags.span(at), hint=AGAIN, count=len(lost))]
+    return {
+        "span": tags.span(at),
+        "count": len(lost),
+        "entities": [f"{n} {kind}" for kind, n in sorted(kinds.items())[:5]],
+        "place": tags.place(at),
+    }
 
 
 def _decoded(data: bytes) -> tuple[Header, str | None]:
@@ -325,23 +413,32 @@ def _begins(text: str) -> bool:
 # --- versions -------------------------------------------------------------------------------
 
 
-def _with_version(text: str, header: Header) -> tuple[str, str]:
+def _with_version(text: str, header: Header, where: FileSpan) -> tuple[str, list[Diagnostic]]:
     """State a version where the file has none, or one too old for the entities it holds."""
     if header.version is not None and header.version >= "AC1012":
-        return text, ""
+        return text, []
     if not any(f"\n{name}" in text for name in LATER):
-        return text, ""
+        return text, []
     variable = "  9\n$ACADVER\n  1\nAC1015\n"
     if header.version is not None:
         old = re.compile(r"(\$ACADVER[ \t]*\n[ \t]*1[ \t]*\n)[^\n]*")
         text = old.sub(r"\g<1>AC1015", text, count=1)
-        return text, f"version {header.version} holds later entities: read as AC1015"
+        return text, [
+            note(
+                "repaired-drawing",
+                "version {version} holds later entities: read as AC1015",
+                where,
+                version=header.version,
+            )
+        ]
     begin = re.search(r"^[ \t]*2[ \t]*\n[ \t]*HEADER[ \t]*\n", text, re.MULTILINE)
     if begin:
         text = text[: begin.end()] + variable + text[begin.end() :]
     else:
         text = f"  0\nSECTION\n  2\nHEADER\n{variable}  0\nENDSEC\n{text}"
-    return text, "the file states no version ($ACADVER): read as AC1015"
+    return text, [
+        note("repaired-drawing", "the file states no version ($ACADVER): read as AC1015", where)
+    ]
 
 
 # --- ezdxf ----------------------------------------------------------------------------------
@@ -372,24 +469,19 @@ def _parsed(
         if text is None:
             header = _header("\n".join(lines).encode("latin-1", "replace"))
         try:
-            doc, unreadable, said, span = _salvaged(lines, tags, header, _reason(why))
+            doc, unreadable, repair = _salvaged(lines, tags, header, _reason(why))
         except Hopeless as hopeless:
             found.append(_refused(lines, tags, hopeless))
             return None, tuple(found)
-        lost = ""
-        found.append(
-            warning(
-                "repaired-drawing",
-                said,
-                span,
-                hint="check the picture; exporting the drawing again is cleaner",
-            )
-        )
+        lost = []
+        found.append(repair)
     finally:
         if collecting:
             gc.enable()
     if lost and not any(d.severity is Severity.ERROR for d in found):
-        found.append(error("damaged-drawing", f"entities were lost in reading: {lost}"))
+        found.append(
+            error("damaged-drawing", "entities were lost in reading: {entities}", entities=lost)
+        )
     return Loaded(doc, header, bool(tags.is_binary), tags, unreadable), tuple(found)
 
 
@@ -413,8 +505,8 @@ def _reason(why: Exception) -> str:
 
 def _salvaged(
     lines: list[str], tags: Tags, header: Header, reason: str
-) -> tuple[Drawing, tuple[Unreadable, ...], str, Span]:
-    """Return what `salvage` gets out of a damaged file, what it could not, what it did, and where.
+) -> tuple[Drawing, tuple[Unreadable, ...], Diagnostic]:
+    """Return what `salvage` gets out of a damaged file, what it could not, and what it did.
 
     Raises:
         Hopeless: not every entity comes out of it, or has a mark in its place.
@@ -440,7 +532,7 @@ def _salvaged(
     except Exception as why:
         raise Hopeless(0, f"{reason}; and without the rest: {_reason(why)}") from why
     if lost:
-        raise Hopeless(0, f"{reason}; of its entities {lost} would be lost")
+        raise Hopeless(0, f"{reason}; of its entities {', '.join(lost)} would be lost")
     where: Span = FileSpan(tags.file)
     if got.unreadable:
         where, reason = got.unreadable[0].span, str(got.unreadable[0])
@@ -449,11 +541,19 @@ def _salvaged(
     elif got.broken is not None:
         name, at = got.broken
         where, reason = _span(tags, at), f"section {name}, {_place(tags, at)}: {reason}"
-    said = (
-        f"the drawing is damaged ({reason}); its blocks and entities were read without the rest: "
-        f"{'; '.join(got.done) or 'nothing of them had to be changed'}"
+    repair = warning(
+        "repaired-drawing",
+        "the drawing is damaged ({reason}); its blocks and entities were read without the rest: "
+        "{changes}"
+        if got.done
+        else "the drawing is damaged ({reason}); its blocks and entities were read without the "
+        "rest: nothing of them had to be changed",
+        where,
+        hint="check the picture; exporting the drawing again is cleaner",
+        reason=reason,
+        changes=Listing(got.done, "; "),
     )
-    return doc, tuple(got.unreadable), said, where
+    return doc, tuple(got.unreadable), repair
 
 
 def _span(tags: Tags, line: int) -> Span:
@@ -477,9 +577,13 @@ def _refused(lines: list[str], tags: Tags, why: Hopeless) -> Diagnostic:
     inside = _entity_before(lines, line)
     return error(
         "damaged-drawing",
-        f"the drawing is damaged: {why.why}" + (f" ({inside})" if inside and line else ""),
+        "the drawing is damaged: {reason} ({entity})"
+        if inside and line
+        else "the drawing is damaged: {reason}",
         _span(tags, line) if line else FileSpan(tags.file),
         hint="open it in a CAD program, let it repair it, and export it again",
+        reason=why.why,
+        entity=inside,
     )
 
 
@@ -527,8 +631,8 @@ def _stated(tags: Tags) -> Counter[str]:
     return Counter({name: int(many[number]) for name, number in tags.names.items()})
 
 
-def _lost(stated: Counter[str], doc: Drawing) -> str:
-    """Return which of the entities that a file states the document does not hold, or nothing."""
+def _lost(stated: Counter[str], doc: Drawing) -> list[str]:
+    """Return the entities that a file states and the document does not hold."""
     held = Counter(entity.dxftype() for block in doc.blocks for entity in block)
     names = [n for n in sorted(GEOMETRY | WITH_BOUNDS) if stated[n] > held[n]]
-    return ", ".join(f"{stated[n] - held[n]} {n}" for n in names)
+    return [f"{stated[n] - held[n]} {n}" for n in names]

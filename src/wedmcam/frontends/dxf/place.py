@@ -20,7 +20,7 @@ from wedmcam.diag import EntityRef
 from wedmcam.frontends.dxf.curves import FARTHEST_UM, Curve, Linear, ellipses_of, image, segments
 from wedmcam.frontends.dxf.filters import START, TOP, Both, Filters, LayerLooks, Look
 from wedmcam.frontends.dxf.kinds import is_annotation
-from wedmcam.frontends.dxf.shapes import Heap, Insert
+from wedmcam.frontends.dxf.shapes import Heap, Insert, Values
 from wedmcam.ir.sketch import SEGMENT, ThreadPoint
 
 Rows = NDArray[np.void]
@@ -112,7 +112,7 @@ class Placement:
         looks_left_out: likewise what is of a line type or colour that the user leaves out.
         types_left_out: likewise what is of a type that the user leaves out.
         no_points: likewise what is on layer START and is no thread point.
-        problems: (code, text) -> the entities that have it, each once.
+        problems: (code, values of the finding) -> the entities that have it, each once.
         heights: height, whole um -> the first entity drawn at it; of the layout, not of blocks.
         approximated: curves that became arcs, by type; `arcs` and `lines` counts them.
         circles: curves that are circles but for nothing.
@@ -130,7 +130,7 @@ class Placement:
     looks_left_out: Census = field(default_factory=Counter)
     types_left_out: Census = field(default_factory=Counter)
     no_points: Census = field(default_factory=Counter)
-    problems: dict[tuple[str, str], dict[EntityRef, None]] = field(default_factory=dict)
+    problems: dict[tuple[str, Values], dict[EntityRef, None]] = field(default_factory=dict)
     dropped: dict[EntityRef, None] = field(default_factory=dict)
     widths: dict[EntityRef, float] = field(default_factory=dict)
     heights: dict[int, EntityRef] = field(default_factory=dict)
@@ -143,9 +143,9 @@ class Placement:
     too_large: EntityRef | None = None
     blocks: set[str] = field(default_factory=set)
 
-    def problem(self, code: str, text: str, ref: EntityRef) -> None:
-        """Note that something is wrong with an entity."""
-        self.problems.setdefault((code, text), {}).setdefault(ref)
+    def problem(self, code: str, ref: EntityRef, **values: str | int) -> None:
+        """Note that something is wrong with an entity; ``values``: of the finding."""
+        self.problems.setdefault((code, tuple(values.items())), {}).setdefault(ref)
 
 
 @dataclass(frozen=True, slots=True)
@@ -338,7 +338,7 @@ class Placer:
             book[kind, layer] += count
         for problem in heap.problems:
             if fates[problem.entity] is Fate.CUT:
-                out.problem(problem.code, problem.text, self._ref(copy, problem.entity))
+                out.problem(problem.code, self._ref(copy, problem.entity), **dict(problem.values))
         if not copy.via:
             for at, z in heap.heights.items():
                 if fates[at] is Fate.CUT and abs(z) <= FARTHEST_UM and round(z) not in out.heights:
@@ -399,7 +399,7 @@ class Placer:
                 if code == "zero-length":
                     out.dropped.setdefault(ref)
                 else:
-                    out.problem(code, "", ref)
+                    out.problem(code, ref)
         for at in variant.circles:
             if fates[at] is Fate.CUT:
                 out.circles.setdefault(self._ref(copy, at))
@@ -449,7 +449,7 @@ class Placer:
         if np.isfinite(x) and np.isfinite(y):
             self.placed.points.append(ThreadPoint(x, y, ref))
         else:
-            self.placed.problem("bad-number", "", ref)
+            self.placed.problem("bad-number", ref)
 
     def _inserted(self, copy: _Copy) -> Iterator[_Copy]:
         """Yield the copies that the INSERTs of a copy ask for."""
@@ -464,12 +464,12 @@ class Placer:
             key = insert.name.lower()
             if key in copy.names:
                 chain = " in ".join((insert.name, *reversed(copy.names[copy.names.index(key) :])))
-                out.problem("block-cycle", chain, ref)
+                out.problem("block-cycle", ref, chain=chain)
                 continue
             block = self._block(insert.name)
             if block is None:
                 if not hidden:
-                    out.problem("missing-block", insert.name, ref)
+                    out.problem("missing-block", ref, block=insert.name)
                 continue
             heap, bx, by = block
             via, names = (*copy.via, ref.handle), (*copy.names, key)
@@ -478,11 +478,11 @@ class Placer:
             first = _Copy(heap, matrix, via, names, ref.layer, hidden, look)
             if min(insert.columns, insert.rows) < 0:
                 if self._shown(first):
-                    grid = f"{insert.name} with {insert.columns} columns and {insert.rows} rows"
-                    out.problem("insert-count", grid, ref)
+                    grid = {"columns": insert.columns, "rows": insert.rows}
+                    out.problem("insert-count", ref, block=insert.name, **grid)
                 continue
             if first.flat and self._shown(first):
-                out.problem("scale-zero", insert.name, ref)
+                out.problem("scale-zero", ref, block=insert.name)
                 continue
             copies = insert.columns * insert.rows
             self._copies += copies
@@ -513,7 +513,7 @@ def finite(rows: Rows, placed: Placement) -> Rows:
         size = np.maximum(size, np.abs(rows[name]))
     good = size <= FARTHEST_UM
     for at in sorted(set(rows["source"][~good].tolist())):
-        placed.problem("bad-number", "", placed.sources[at])
+        placed.problem("bad-number", placed.sources[at])
     return rows if good.all() else rows[good]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, EntityRef, FileSpan, error, has_errors, note, warning
+from wedmcam.diag.lists import Listing, first_of
 from wedmcam.frontends.dxf import units
 from wedmcam.frontends.dxf.contradictions import Reading, contradictions
 from wedmcam.frontends.dxf.filters import TOP, Filters, LayerLooks, Look, filters_of
@@ -30,7 +31,7 @@ from wedmcam.frontends.dxf.place import (
     finite,
 )
 from wedmcam.frontends.dxf.salvage import Unreadable
-from wedmcam.frontends.dxf.shapes import Heap, gather, type_of
+from wedmcam.frontends.dxf.shapes import Heap, Values, gather, type_of
 from wedmcam.frontends.dxf.tags import Tags
 from wedmcam.frontends.dxf.texts import texts_of
 from wedmcam.frontends.dxf.unread import unread
@@ -44,6 +45,8 @@ Rows = NDArray[np.void]
 TAPER_UM = 100.0
 #: How many handles a finding about many entities names.
 NAMED = 5
+#: How many layers, and how many types of entity, a finding about a whole drawing names.
+MOST_LAYERS, MOST_TYPES = 8, 8
 #: Sides that differ by less are those of a circle, mm.
 ROUND_MM = 1e-3
 #: Of entities that cannot be read this many are listed.
@@ -111,7 +114,7 @@ def read(
     found += _unreadable(placed, loaded.unreadable)
     found += _problems(placed, loaded.tags)
     found += _curves(placed, options, file)
-    found += _said(placed, _paper_space(loaded.doc), file, rows)
+    found += _left_out(placed, _paper_space(loaded.doc), file, rows)
     if not len(rows) and not has_errors(found):
         found.append(_empty(placed, loaded.doc, options, file))
     width, height = _size(rows)
@@ -153,13 +156,14 @@ def _looks(loaded: Loaded, filters: Filters) -> Callable[..., bool] | None:
 
 def _boundless(there: Placement, placed: Placement, unreadable: tuple[Unreadable, ...]) -> None:
     """Note what is not read and has no boundary that can be had."""
-    for (code, text), refs in there.problems.items():
+    for (code, values), refs in there.problems.items():
+        reason = str(dict(values).get("reason", ""))
         if code == "unreadable":
-            text = f"{unreadable[int(text)].place}: {unreadable[int(text)].why}"
+            one = unreadable[int(dict(values)["number"])]
+            reason = f"{one.place}: {one.why}"
         for ref in refs:
             if ref.dxftype in BOUNDED:
-                why = f", and its boundary is not known{': ' + text if text else ''}"
-                placed.problem("unsupported-entity", why, ref)
+                placed.problem("unsupported-entity", ref, reason=reason)
     placed.too_large = placed.too_large or there.too_large
 
 
@@ -189,83 +193,102 @@ def _size(rows: Rows) -> tuple[float, float]:
 
 # --- what was found -------------------------------------------------------------------------
 
-#: For each code: how to say it of n entities of a type, and a hint. {n} {what} {text}.
-_SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
+#: For each code: how bad it is, the template of a finding about entities of a type, and the hint.
+_PROBLEMS: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
     "unsupported-entity": (
         error,
-        "{n} cannot be read yet{text}",
+        "{count} {entity} cannot be read yet",
         "convert into lines and arcs, or leave it out with --ignore-layer or --ignore-type",
     ),
-    "tilted": (error, "{n} tilted out of the drawing plane (extrusion vector)", "lay it flat"),
-    "not-flat": (error, "{n} not parallel to the drawing plane: the height changes", "lay it flat"),
-    "bad-bulge": (error, "{n} with a bulge that is a full circle but for nothing", None),
-    "bad-number": (error, "{n} with a coordinate that is no number, or beyond 1000 km", None),
-    "damaged-drawing": (error, "{n} that cannot be understood: {text}", None),
+    "tilted": (
+        error,
+        "{count} {entity} tilted out of the drawing plane (extrusion vector)",
+        "lay it flat",
+    ),
+    "not-flat": (
+        error,
+        "{count} {entity} not parallel to the drawing plane: the height changes",
+        "lay it flat",
+    ),
+    "bad-bulge": (
+        error,
+        "{count} {entity} with a bulge that is a full circle but for nothing",
+        None,
+    ),
+    "bad-number": (
+        error,
+        "{count} {entity} with a coordinate that is no number, or beyond 1000 km",
+        None,
+    ),
+    "damaged-drawing": (error, "{count} {entity} that cannot be understood: {reason}", None),
     "missing-block": (
         error,
-        "{n} of block {text}, which is not in the drawing",
+        "{count} {entity} of block {block}, which is not in the drawing",
         "bind external references before exporting",
     ),
-    "block-cycle": (error, "block inserts itself: {text}", None),
+    "block-cycle": (error, "block inserts itself: {chain}", None),
     "flat-ellipse": (
         error,
-        "{n} so flat that it is a line there and back",
+        "{count} {entity} so flat that it is a line there and back",
         "draw a LINE, if that is meant",
     ),
     "coarse-spline": (
         error,
-        "{n} that arcs cannot follow within the tolerance",
+        "{count} {entity} that arcs cannot follow within the tolerance",
         "a larger --tolerance, or look for loops and cusps in it",
     ),
     "fit-points": (
         warning,
-        "{n} with fit points only: the curve between them is not in the file, and was computed "
-        "as the cubic that CAD programs draw",
+        "{count} {entity} with fit points only: the curve between them is not in the file, and was "
+        "computed as the cubic that CAD programs draw",
         "save it with control points",
     ),
     "open-spline": (
         warning,
-        "{n} marked as closed whose ends do not meet: taken as open",
+        "{count} {entity} marked as closed whose ends do not meet: taken as open",
         "close it in the CAD program",
     ),
     "clipped-block": (
         warning,
-        "{n} with a clipping boundary, which is not applied: the whole block is taken",
+        "{count} {entity} with a clipping boundary, which is not applied: the whole block is taken",
         None,
     ),
     "insert-count": (
         error,
-        "{n} of block {text}: how often it is to be cut cannot be told",
+        "{count} {entity} of block {block} with {columns} columns and {rows} rows: how often it "
+        "is to be cut cannot be told",
         "insert it as often as it is meant, or explode it",
     ),
     "scale-zero": (
         warning,
-        "{n} of block {text} with a scale of 0: what is in the block is not cut",
+        "{count} {entity} of block {block} with a scale of 0: what is in the block is not cut",
         "give it the scale that is meant, or delete the INSERT",
     ),
     "negative-radius": (
         warning,
-        "{n} with a negative radius: taken as positive",
+        "{count} {entity} with a negative radius: taken as positive",
         "look at the size, and at the side on which an arc lies",
     ),
     "rounded-turn": (
         note,
-        "{n} a full turn but for the rounding of its angles: taken as whole",
+        "{count} {entity} a full turn but for the rounding of its angles: taken as whole",
         "draw a CIRCLE, or a whole ELLIPSE",
     ),
     "no-arc": (
         warning,
-        "{n} whose end angle is a hair over its start angle: an arc of no length, and no circle",
+        "{count} {entity} whose end angle is a hair over its start angle: an arc of no length, and "
+        "no circle",
         "delete it, or draw a CIRCLE if one is meant",
     ),
     "over-turn": (
         warning,
-        "{n} of more than a full turn: taken without the full turns, as CAD programs do",
+        "{count} {entity} of more than a full turn: taken without the full turns, as CAD programs "
+        "do",
         "draw a CIRCLE, if one is meant",
     ),
     "full-arc": (
         warning,
-        "{n} whose start and end angle are equal: taken as a full circle",
+        "{count} {entity} whose start and end angle are equal: taken as a full circle",
         "draw a CIRCLE",
     ),
 }
@@ -273,121 +296,234 @@ _SAYING: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
 
 def _unreadable(placed: Placement, unreadable: tuple[Unreadable, ...]) -> list[Diagnostic]:
     """Return an error for each entity that would be cut and cannot be read."""
-    found = []
-    hint = "correct the line named, or draw it again; --ignore-layer leaves its layer out"
-    there = [(text, refs) for (code, text), refs in placed.problems.items() if code == "unreadable"]
-    for text, refs in there[:MOST_UNREADABLE]:
-        one, ref = unreadable[int(text)], next(iter(refs))
-        many = f", there {len(refs)} times by its INSERTs" if len(refs) > 1 else ""
-        what = f"{one.kind} on layer {ref.layer}{_handles([ref])}{many} cannot be read: {one.why}"
-        found.append(error("damaged-drawing", what, one.span, hint=hint))
+    findings = []
+    there = [
+        (dict(values), refs)
+        for (code, values), refs in placed.problems.items()
+        if code == "unreadable"
+    ]
+    for values, refs in there[:MOST_UNREADABLE]:
+        one, ref = unreadable[int(values["number"])], next(iter(refs))
+        findings.append(
+            error(
+                "damaged-drawing",
+                "{entity} on layer {layer} ({handle}), there {often} times by its INSERTs cannot "
+                "be read: {reason}"
+                if len(refs) > 1
+                else "{entity} on layer {layer} ({handle}) cannot be read: {reason}",
+                one.span,
+                hint="correct the line named, or draw it again; --ignore-layer leaves its layer "
+                "out",
+                entity=one.kind,
+                layer=ref.layer,
+                handle=_handles([ref]),
+                often=len(refs),
+                reason=one.why,
+            )
+        )
     if len(there) > MOST_UNREADABLE:
-        more = len(there) - MOST_UNREADABLE
-        found.append(error("damaged-drawing", f"{more} further entities cannot be read"))
-    return found
+        findings.append(
+            error(
+                "damaged-drawing",
+                "{further} further entities cannot be read",
+                further=len(there) - MOST_UNREADABLE,
+            )
+        )
+    return findings
 
 
-def _line(tags: Tags, ref: EntityRef) -> str:
-    """Return where in the file an entity stands; nothing where it has no handle there."""
+def _line(tags: Tags, ref: EntityRef) -> str | None:
+    """Return where in the file an entity stands; None where it has no handle there."""
     for at in np.flatnonzero(tags.codes == 5).tolist():
         if tags.value(at).strip().upper() == ref.handle.upper():
             mark = int(np.searchsorted(tags.marks, at, side="right")) - 1
             if mark >= 0 and tags.value(int(tags.marks[mark])).strip() == ref.dxftype:
-                return f", {tags.place(int(tags.marks[mark]))}"
-    return ""
+                return tags.place(int(tags.marks[mark]))
+    return None
 
 
 def _problems(placed: Placement, tags: Tags) -> list[Diagnostic]:
     """Return one finding for each kind of problem and type of entity."""
-    found = []
-    groups: dict[tuple[str, str, str], list[EntityRef]] = {}
-    for (code, text), refs in placed.problems.items():
+    findings = []
+    groups: dict[tuple[str, Values, str], list[EntityRef]] = {}
+    for (code, values), refs in placed.problems.items():
         if code == "unreadable":
             continue
         for ref in refs:
-            groups.setdefault((code, text, ref.dxftype), []).append(ref)
-    for (code, text, kind), spans in groups.items():
-        make, saying, hint = _SAYING[code]
-        message = saying.format(n=f"{len(spans)} {kind}", text=text) + _handles(spans)
-        if code == "damaged-drawing":
-            message += _line(tags, spans[0])
-        found.append(make(code, message, spans[0], hint=hint, count=len(spans)))
+            groups.setdefault((code, values, ref.dxftype), []).append(ref)
+    for (code, values, kind), spans in groups.items():
+        make, template, hint = _PROBLEMS[code]
+        finding = make(
+            code, template, spans[0], hint=hint, count=len(spans), entity=kind, **dict(values)
+        )
+        if code == "unsupported-entity" and values:
+            finding = finding.extended(
+                ", and its boundary is not known: {reason}"
+                if dict(values)["reason"]
+                else ", and its boundary is not known"
+            )
+        finding = finding.extended(" ({handles})", handles=_handles(spans))
+        if code == "damaged-drawing" and (line := _line(tags, spans[0])):
+            finding = finding.extended(", {line}", line=line)
+        findings.append(finding)
     low, high = min(placed.heights, default=0), max(placed.heights, default=0)
     if high - low > TAPER_UM:
         one, two = placed.heights[low], placed.heights[high]
-        text = (
-            f"geometry at heights from {low / 1e3:.3f} to {high / 1e3:.3f} mm: "
-            f"a taper or a body, which is not cut as drawn by a straight wire (#{one.handle} and "
-            f"#{two.handle})"
+        findings.append(
+            error(
+                "taper",
+                "geometry at heights from {lowest_mm:.3f} to {highest_mm:.3f} mm: a taper or a "
+                "body, which is not cut as drawn by a straight wire (#{lowest} and #{highest})",
+                one,
+                notes=(("this lies highest", two),),
+                hint="lay it flat, or take the layer of one plane with --layer",
+                count=len(placed.heights),
+                lowest_mm=low / 1e3,
+                highest_mm=high / 1e3,
+                lowest=one.handle,
+                highest=two.handle,
+            )
         )
-        hint = "lay it flat, or take the layer of one plane with --layer"
-        notes = (("this lies highest", two),)
-        found.append(error("taper", text, one, notes=notes, hint=hint, count=len(placed.heights)))
     if placed.too_large is not None:
-        text = (
-            f"the drawing comes to more than {MOST_SEGMENTS:,} segments, or {MOST_COPIES:,} copies "
-            "of blocks: reading stopped here"
+        findings.append(
+            error(
+                "too-large",
+                "the drawing comes to more than {most_segments:,} segments, or {most_copies:,} "
+                "copies of blocks: reading stopped here",
+                placed.too_large,
+                most_segments=MOST_SEGMENTS,
+                most_copies=MOST_COPIES,
+            )
         )
-        found.append(error("too-large", text, placed.too_large))
-    return found
+    return findings
 
 
 def _curves(placed: Placement, options: DrawingReading, file: str) -> list[Diagnostic]:
     """Return the notes about curves that are arcs now."""
     where = FileSpan(file)
-    found = []
+    findings = []
     total = placed.approximated.total()
     if total:
-        named = ", ".join(f"{n} {kind}" for kind, n in sorted(placed.approximated.items()))
-        lines = f" and {placed.lines} lines" if placed.lines else ""
-        text = (
-            f"{named} became {placed.arcs} arcs{lines}, at most {placed.curve_um or 0.0:.2f} um "
-            f"from them (tolerance {options.tolerance_um:.2f} um)"
+        finding = note(
+            "approximated",
+            "{curves} became {arcs} arcs and {lines} lines, at most {apart_um:.2f} um from them "
+            "(tolerance {tolerance_um:.2f} um)"
+            if placed.lines
+            else "{curves} became {arcs} arcs, at most {apart_um:.2f} um from them (tolerance "
+            "{tolerance_um:.2f} um)",
+            where,
+            hint="--tolerance sets how far they may be",
+            count=total,
+            curves=[f"{n} {kind}" for kind, n in sorted(placed.approximated.items())],
+            arcs=placed.arcs,
+            lines=placed.lines,
+            apart_um=placed.curve_um or 0.0,
+            tolerance_um=options.tolerance_um,
         )
         if placed.stretched:
-            text += f"; {len(placed.stretched)} by different scales in x and y of a block"
-        hint = "--tolerance sets how far they may be"
-        found.append(note("approximated", text, where, hint=hint, count=total))
+            finding = finding.extended(
+                "; {stretched} by different scales in x and y of a block",
+                stretched=len(placed.stretched),
+            )
+        findings.append(finding)
     if placed.circles:
         spans = list(placed.circles)
-        text = f"{len(spans)} SPLINE within 0.001 mm of circles: taken as circles"
-        found.append(note("spline-circle", text + _handles(spans), spans[0], count=len(spans)))
-    return found
+        findings.append(
+            note(
+                "spline-circle",
+                "{count} SPLINE within 0.001 mm of circles: taken as circles ({handles})",
+                spans[0],
+                count=len(spans),
+                handles=_handles(spans),
+            )
+        )
+    return findings
 
 
-def _handles(spans: Iterable[EntityRef]) -> str:
-    """Return the handles of the first entities, for the end of a sentence."""
-    names = ["#" + "/".join((*s.via, s.handle)) for s in spans]
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return f" ({', '.join(names[:NAMED])}{more})"
+def _handles(spans: Iterable[EntityRef]) -> Listing:
+    """Return the handles of entities."""
+    return first_of(["#" + "/".join((*s.via, s.handle)) for s in spans], NAMED)
 
 
-def _said(placed: Placement, paper: int, file: str, rows: Rows) -> list[Diagnostic]:
+def _left_out(placed: Placement, paper: int, file: str, rows: Rows) -> list[Diagnostic]:
     """Return the findings about what was left out or simplified, each kind once."""
     where = FileSpan(file)
-    found = []
-    for make, code, census, words in (
-        (warning, "not-cut", placed.others, "not cut"),
-        (warning, "hidden-not-cut", placed.hidden, "hidden in the drawing and not cut"),
-        (note, "layer-left-out", placed.left_out, "on layers left out"),
-        (note, "type-left-out", placed.types_left_out, "of types left out"),
-        (note, "look-left-out", placed.looks_left_out, "of line types or colours left out"),
-        (warning, "start-layer", placed.no_points, "on layer START that are no thread points"),
+    findings = []
+    for make, code, census, one, many in (
+        (
+            warning,
+            "not-cut",
+            placed.others,
+            "{count} entity not cut: {kinds}",
+            "{count} entities not cut: {kinds}",
+        ),
+        (
+            warning,
+            "hidden-not-cut",
+            placed.hidden,
+            "{count} entity hidden in the drawing and not cut: {kinds}",
+            "{count} entities hidden in the drawing and not cut: {kinds}",
+        ),
+        (
+            note,
+            "layer-left-out",
+            placed.left_out,
+            "{count} entity on layers left out: {kinds}",
+            "{count} entities on layers left out: {kinds}",
+        ),
+        (
+            note,
+            "type-left-out",
+            placed.types_left_out,
+            "{count} entity of types left out: {kinds}",
+            "{count} entities of types left out: {kinds}",
+        ),
+        (
+            note,
+            "look-left-out",
+            placed.looks_left_out,
+            "{count} entity of line types or colours left out: {kinds}",
+            "{count} entities of line types or colours left out: {kinds}",
+        ),
+        (
+            warning,
+            "start-layer",
+            placed.no_points,
+            "{count} entity on layer START that are no thread points: {kinds}",
+            "{count} entities on layer START that are no thread points: {kinds}",
+        ),
     ):
-        if census:
-            found.append(make(code, _counted(census, words), where, count=census.total()))
+        if not census:
+            continue
+        total = census.total()
+        layers = sorted({layer for _, layer in census})
+        left_out = make(code, one if total == 1 else many, where, count=total, kinds=_kinds(census))
+        findings.append(
+            left_out.extended(
+                " (layers {layers})" if len(layers) > 1 else " (layer {layers})",
+                layers=first_of(layers, MOST_LAYERS),
+            )
+        )
     if paper:
-        found.append(
-            note("not-cut", f"{paper} entities in paper space not cut", where, count=paper)
+        findings.append(
+            note("not-cut", "{count} entities in paper space not cut", where, count=paper)
         )
     if placed.dropped:
         spans = list(placed.dropped)
-        many = f"{len(spans)} {'entity' if len(spans) == 1 else 'entities'} with pieces without "
-        text = f"{many}length, dropped{_handles(spans)}"
-        found.append(note("zero-length", text, spans[0], count=len(spans)))
+        findings.append(
+            note(
+                "zero-length",
+                "{count} entity with pieces without length, dropped ({handles})"
+                if len(spans) == 1
+                else "{count} entities with pieces without length, dropped ({handles})",
+                spans[0],
+                count=len(spans),
+                handles=_handles(spans),
+            )
+        )
     if placed.widths:
-        found.append(_wide(placed, rows))
-    return found
+        findings.append(_wide(placed, rows))
+    return findings
 
 
 def _wide(placed: Placement, rows: Rows) -> Diagnostic:
@@ -397,37 +533,47 @@ def _wide(placed: Placement, rows: Rows) -> Diagnostic:
     width = placed.widths[first] / 1000.0
     mine = rows[rows["source"] == placed.sources.index(first)] if first in placed.sources else rows
     w, h = (side / 1000.0 for side in _size(mine))
+    finding = warning(
+        "polyline-width",
+        "1 polyline has a width: what is seen is "
+        if len(spans) == 1
+        else "{count} polylines have a width: of the first, what is seen is ",
+        first,
+        hint="draw the edge as an outline if it is meant; set the width to 0 if the centre line is",
+        count=len(spans),
+    )
     arcs = len(mine) > 0 and bool((mine["turn"] != 0).all())
     if arcs and abs(w - h) < ROUND_MM and bool((mine["cx"] == mine["cx"][0]).all()):
-        shape = "disc" if width >= w - ROUND_MM else "ring"
-        seen, cut = f"a {shape} of {w + width:.3f} mm", f"its centre line of {w:.3f} mm"
+        finding = finding.extended(
+            "a disc of {seen_mm:.3f} mm, what is cut is its centre line of {cut_mm:.3f} mm"
+            if width >= w - ROUND_MM
+            else "a ring of {seen_mm:.3f} mm, what is cut is its centre line of {cut_mm:.3f} mm",
+            seen_mm=w + width,
+            cut_mm=w,
+        )
     else:
-        seen = f"a band {width:.3f} mm wide, {w + width:.3f} x {h + width:.3f} mm"
-        cut = f"its centre line, {w:.3f} x {h:.3f} mm"
-    one = "1 polyline has" if len(spans) == 1 else f"{len(spans)} polylines have"
-    of = "" if len(spans) == 1 else "of the first, "
-    text = f"{one} a width: {of}what is seen is {seen}, what is cut is {cut}{_handles(spans)}"
-    hint = "draw the edge as an outline if it is meant; set the width to 0 if the centre line is"
-    return warning("polyline-width", text, first, hint=hint, count=len(spans))
+        finding = finding.extended(
+            "a band {width_mm:.3f} mm wide, {seen_x_mm:.3f} x {seen_y_mm:.3f} mm, what is cut is "
+            "its centre line, {cut_x_mm:.3f} x {cut_y_mm:.3f} mm",
+            width_mm=width,
+            seen_x_mm=w + width,
+            seen_y_mm=h + width,
+            cut_x_mm=w,
+            cut_y_mm=h,
+        )
+    return finding.extended(" ({handles})", handles=_handles(spans))
 
 
-def _counted(census: Census, words: str) -> str:
-    """Return e.g. '7 entities not cut: 4 DIMENSION, 2 HATCH, 1 TEXT (layers 0, DIM)'.
+def _kinds(census: Census) -> list[str]:
+    """Return how many entities there are of each type, most first.
 
-    >>> _counted(Counter({("HATCH", "0"): 2, ("TEXT", "DIM"): 1}), "not cut")
-    '3 entities not cut: 2 HATCH, 1 TEXT (layers 0, DIM)'
+    >>> _kinds(Counter({("HATCH", "0"): 2, ("TEXT", "DIM"): 1}))
+    ['2 HATCH', '1 TEXT']
     """
     kinds: Counter[str] = Counter()
     for (kind, _), count in census.items():
         kinds[kind] += count
-    layers = sorted({layer for _, layer in census})
-    by_kind = ", ".join(f"{n} {k}" for k, n in sorted(kinds.items(), key=lambda i: (-i[1], i[0])))
-    named = ", ".join(layers[:8]) + (f" and {len(layers) - 8} more" if len(layers) > 8 else "")
-    total = census.total()
-    return (
-        f"{total} {'entity' if total == 1 else 'entities'} {words}: {by_kind} "
-        f"(layer{'s' if len(layers) > 1 else ''} {named})"
-    )
+    return [f"{n} {k}" for k, n in sorted(kinds.items(), key=lambda i: (-i[1], i[0]))]
 
 
 def _paper_space(doc: Any) -> int:
@@ -443,61 +589,72 @@ def _paper_space(doc: Any) -> int:
 def _empty(placed: Placement, doc: Any, options: DrawingReading, file: str) -> Diagnostic:
     """Return the error about a drawing with nothing to cut, with the likeliest reason."""
     paper = _paper_space(doc)
-    hint = None
+    finding = error("empty-drawing", "nothing to cut in the drawing: ", FileSpan(file))
     if placed.left_out:
-        layers = ", ".join(sorted({layer for _, layer in placed.left_out}))
-        why = f"all geometry is on layers left out ({layers})"
-        hint = "check --layer and --ignore-layer"
+        finding = finding.extended(
+            "all geometry is on layers left out ({layers})",
+            hint="check --layer and --ignore-layer",
+            layers=sorted({layer for _, layer in placed.left_out}),
+        )
     elif placed.types_left_out:
-        kinds = sorted({kind for kind, _ in placed.types_left_out})
-        why = f"all geometry is of types left out ({', '.join(kinds)})"
-        hint = "check --type and --ignore-type"
+        finding = finding.extended(
+            "all geometry is of types left out ({types})",
+            hint="check --type and --ignore-type",
+            types=sorted({kind for kind, _ in placed.types_left_out}),
+        )
     elif placed.looks_left_out:
-        why = "all geometry is of line types or colours left out"
-        hint = "check --linetype, --ignore-linetype, --colour and --ignore-colour"
+        finding = finding.extended(
+            "all geometry is of line types or colours left out",
+            hint="check --linetype, --ignore-linetype, --colour and --ignore-colour",
+        )
     elif placed.hidden:
-        why, hint = "what it holds is hidden", "switch the layers on"
+        finding = finding.extended("what it holds is hidden", hint="switch the layers on")
     elif paper:
-        why = f"model space is empty; all {paper} entities are in paper space"
-        hint = "copy the geometry into model space"
+        finding = finding.extended(
+            "model space is empty; all {paper} entities are in paper space",
+            hint="copy the geometry into model space",
+            paper=paper,
+        )
     elif placed.others:
-        kinds = sorted({kind for kind, _ in placed.others})
-        why = f"it holds no lines, arcs or polylines, but {', '.join(kinds[:8])}"
-    elif blocks := [text for code, text in placed.problems if code == "scale-zero"]:
-        why, hint = f"block {', '.join(blocks[:NAMED])} is inserted with a scale of 0", None
+        finding = finding.extended(
+            "it holds no lines, arcs or polylines, but {types}",
+            types=sorted({kind for kind, _ in placed.others})[:MOST_TYPES],
+        )
+    elif blocks := [
+        str(dict(values)["block"]) for code, values in placed.problems if code == "scale-zero"
+    ]:
+        finding = finding.extended(
+            "block {blocks} is inserted with a scale of 0", blocks=blocks[:NAMED]
+        )
     else:
-        why = "model space is empty"
+        finding = finding.extended("model space is empty")
     if nowhere := _inserted_nowhere(doc):
-        why += f"; {nowhere}"
-        hint = hint or "insert it where it is to be cut, or explode it"
-    return error(
-        "empty-drawing", f"nothing to cut in the drawing: {why}", FileSpan(file), hint=hint
-    )
+        finding = finding.extended(
+            "; block {uninserted} is inserted nowhere"
+            if len(nowhere) == 1
+            else "; block {uninserted} are inserted nowhere",
+            hint="" if finding.hint else "insert it where it is to be cut, or explode it",
+            uninserted=first_of(nowhere, NAMED),
+        )
+    return finding
 
 
-def _inserted_nowhere(doc: Any) -> str:
-    """Return which blocks hold geometry and are inserted nowhere, or nothing."""
+def _inserted_nowhere(doc: Any) -> list[str]:
+    """Return the blocks that hold geometry and are inserted nowhere: "CAM (2 entities)"."""
     inserted = {
         str(entity.dxf.name).lower()
         for block in doc.blocks
         for entity in block
         if entity.dxftype() == "INSERT" and entity.dxf.hasattr("name")
     }
-    left = [
-        (str(block.name), len(block))
+    return [
+        f"{block.name} ({len(block)} {'entity' if len(block) == 1 else 'entities'})"
         for block in doc.blocks
         if not block.is_any_layout
         and not is_annotation(str(block.name))
         and str(block.name).lower() not in inserted
         and any(entity.dxftype() in GEOMETRY for entity in block)
     ]
-    if not left:
-        return ""
-    names = ", ".join(
-        f"{name} ({many} {'entity' if many == 1 else 'entities'})" for name, many in left[:NAMED]
-    )
-    more = f" and {len(left) - NAMED} more" if len(left) > NAMED else ""
-    return f"block {names}{more} {'is' if len(left) == 1 else 'are'} inserted nowhere"
 
 
 def _info(loaded: Loaded, placed: Placement, unit: units.Unit) -> SketchInfo:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, note
+from wedmcam.diag.lists import Listing, first_of
 from wedmcam.frontends.dxf.tags import CODES, FOREIGN, Tags
 
 Tag = tuple[int, str]
@@ -109,20 +110,19 @@ def _markers(tags: Tags, edits: Edits) -> Iterator[Diagnostic]:
         kinds[kind] += 1
     if marks:
         places = [int(tags.marks[mark]) for mark in marks]
-        who = ", ".join(f"{many} {kind}" for kind, many in sorted(kinds.items()))
         yield note(
             "repaired-drawing",
-            f"{who} whose subclass markers (group 100) are missing or in another order: put in "
-            f"their places{named(tags, places)}",
+            "{entities} whose subclass markers (group 100) are missing or in another order: put in "
+            "their places ({places})",
             tags.span(places[0]),
             count=len(marks),
+            entities=[f"{many} {kind}" for kind, many in sorted(kinds.items())],
+            places=_places(tags, places),
         )
 
 
-def named(tags: Tags, places: list[int]) -> str:
-    """Return places for the end of a sentence."""
-    more = f" and {len(places) - NAMED} more" if len(places) > NAMED else ""
-    return f" ({', '.join(tags.place(at) for at in places[:NAMED])}{more})"
+def _places(tags: Tags, places: list[int]) -> Listing:
+    return first_of([tags.place(at) for at in places], NAMED)
 
 
 def _unlike(tags: Tags) -> NDArray[np.int64]:
@@ -226,14 +226,17 @@ def _handles(tags: Tags, edits: Edits) -> Iterator[Diagnostic]:
         edits[mark] = [tag for n, tag in enumerate(kept) if n != kept.index(gone)]
     if wrong:
         shown = sorted({values[k] for k in wrong})
-        named_ = ", ".join(shown[:NAMED])
-        what = "entity has a handle" if len(wrong) == 1 else "entities have handles"
         yield note(
             "repaired-drawing",
-            f"{len(wrong)} {what} (group 5) that no entity can have ({named_}): read without; "
-            f"findings name others{named(tags, [int(places[k]) for k in wrong])}",
+            "{count} entity has a handle (group 5) that no entity can have ({handles}): read "
+            "without; findings name others ({places})"
+            if len(wrong) == 1
+            else "{count} entities have handles (group 5) that no entity can have ({handles}): "
+            "read without; findings name others ({places})",
             tags.span(int(places[wrong[0]])),
             count=len(wrong),
+            handles=shown[:NAMED],
+            places=_places(tags, [int(places[k]) for k in wrong]),
         )
     mine = np.flatnonzero(drawn(tags)[owner]).tolist()
     if len({values[k] for k in mine}) == len(mine):
@@ -242,13 +245,19 @@ def _handles(tags: Tags, edits: Edits) -> Iterator[Diagnostic]:
     twice = [value for value, many in counts.items() if many > 1 and _is_handle(value)]
     if twice:
         there = [int(places[k]) for k in mine if values[k] == twice[0]]
-        more = f", and {len(twice) - 1} more" if len(twice) > 1 else ""
         yield note(
             "repaired-drawing",
-            f"handle {twice[0]} is there {counts[twice[0]]} times{more}: all are read, and a "
-            f"finding that names it may mean each{named(tags, there)}",
+            "handle {handle} is there {often} times, and {further} more: all are read, and a "
+            "finding that names it may mean each ({places})"
+            if len(twice) > 1
+            else "handle {handle} is there {often} times: all are read, and a finding that names "
+            "it may mean each ({places})",
             tags.span(there[1]),
             count=len(twice),
+            handle=twice[0],
+            often=counts[twice[0]],
+            further=len(twice) - 1,
+            places=_places(tags, there),
         )
 
 

@@ -45,13 +45,17 @@ FLAT_BULGE, FLAT_UM = 1e-8, 1e-4
 ABSURD_BULGE = 1e5
 
 
+#: Values of a finding: names and what they are.
+Values = tuple[tuple[str, str | int], ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Problem:
     """What is wrong with one entity of a heap. ``entity`` -1: with something about the heap."""
 
     code: str
     entity: int
-    text: str
+    values: Values
 
 
 @dataclass(slots=True)
@@ -116,9 +120,9 @@ class Heap:
     polylines: list[Floats] = field(default_factory=list)
     polyline_of: list[tuple[int, bool, bool]] = field(default_factory=list)
 
-    def problem(self, code: str, entity: int, text: str = "") -> None:
-        """Note that something is wrong with an entity."""
-        self.problems.append(Problem(code, entity, text))
+    def problem(self, code: str, entity: int, **values: str | int) -> None:
+        """Note that something is wrong with an entity; ``values``: of the finding."""
+        self.problems.append(Problem(code, entity, tuple(values.items())))
 
     def add(self, entity: Entity, kind: str, layer: str) -> int:
         """Enter an entity and return its number."""
@@ -217,7 +221,7 @@ def converted(heap: Heap, entity: Entity, kind: str, layer: str, to: Converter) 
         with np.errstate(all="ignore"):  # what overflows is refused as a bad number
             to(heap, at, entity, entity.dxf)
     except CurveError as why:
-        heap.problem(why.code, at, str(why))
+        heap.problem(why.code, at, **({"reason": str(why)} if str(why) else {}))
     except (
         DXFError,
         ArithmeticError,
@@ -227,8 +231,8 @@ def converted(heap: Heap, entity: Entity, kind: str, layer: str, to: Converter) 
         TypeError,
     ) as why:
         # ezdxf raises these for attributes that an entity must have and has not.
-        told = isinstance(why, DXFError | ValueError) and str(why)
-        heap.problem("damaged-drawing", at, told or "a value is missing in it")
+        reason = str(why) if isinstance(why, DXFError | ValueError) else ""
+        heap.problem("damaged-drawing", at, reason=reason or "a value is missing in it")
 
 
 # --- one converter for each type ------------------------------------------------------------
@@ -251,7 +255,7 @@ def _unsupported(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
 
 def unreadable(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:
     """Note which of the entities that ezdxf could not read this one stands for."""
-    heap.problem("unreadable", at, str(entity.xtags.subclasses[-1].get_first_value(90)))
+    heap.problem("unreadable", at, number=int(entity.xtags.subclasses[-1].get_first_value(90)))
 
 
 def _line(heap: Heap, at: int, entity: Entity, dxf: Entity) -> None:

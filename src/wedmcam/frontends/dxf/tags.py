@@ -50,6 +50,21 @@ class _Numbers(dict[str, int]):
         return number
 
 
+@dataclass(frozen=True, slots=True)
+class Behind:
+    """Data behind the end mark.
+
+    Attributes:
+        span: its first place.
+        size: how much it is: lines of a text file, bytes of a binary one.
+        second: where a second drawing begins, if that is what it is.
+    """
+
+    span: Span
+    size: int
+    second: Span | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Tags:
     """The tags of a DXF file up to its end mark.
@@ -62,8 +77,7 @@ class Tags:
         names: LINE, SECTION, ... -> its number in ``kinds``.
         sections: name, first mark behind its head, and mark of its end, of each section.
         end: the tag of the end mark; None where there is none.
-        behind: the first place of data behind the end mark, how much it is, and the place where a
-            second drawing begins, if that is what it is; None where there is no data.
+        behind: the data behind the end mark; None where there is none.
     """
 
     file: str
@@ -72,7 +86,7 @@ class Tags:
     kinds: Ints
     names: dict[str, int]
     end: int | None
-    behind: tuple[Span, str, Span | None] | None
+    behind: Behind | None
     sections: tuple[tuple[str, int, int], ...] = field(init=False)
     _lines: Sequence[str] = ()
     _data: bytes = b""
@@ -204,7 +218,7 @@ def _tags(
     marks: Ints,
     kinds: list[str],
     end: int | None,
-    behind: tuple[Span, str, Span | None] | None,
+    behind: Behind | None,
     **source: object,
 ) -> Tags:
     if end is not None:
@@ -216,8 +230,8 @@ def _tags(
     return Tags(file, codes, marks, numbers, dict(names), end, behind, **source)  # type: ignore[arg-type]
 
 
-def _lines_behind(lines: list[str], first: int, file: str) -> tuple[Span, str, Span | None] | None:
-    """Return where data are behind the end mark of a text file, how much, and a second drawing."""
+def _lines_behind(lines: list[str], first: int, file: str) -> Behind | None:
+    """Return the data behind the end mark of a text file."""
     full = [at for at in range(first, len(lines)) if lines[at].strip(PADDING)]
     if {lines[at].strip() for at in full} <= {"0", "EOF"}:  # the mark again is nothing, too
         return None
@@ -230,15 +244,14 @@ def _lines_behind(lines: list[str], first: int, file: str) -> tuple[Span, str, S
         ),
         None,
     )
-    many = f"{len(full)} line{'s' if len(full) > 1 else ''}"
-    return TextSpan(file, full[0] + 1, 1), many, second
+    return Behind(TextSpan(file, full[0] + 1, 1), len(full), second)
 
 
 def _opens(line: str) -> bool:
     return line.strip() == "SECTION"
 
 
-def _bytes_behind(data: bytes, first: int, file: str) -> tuple[Span, str, Span | None] | None:
+def _bytes_behind(data: bytes, first: int, file: str) -> Behind | None:
     """Return the same of a binary file."""
     padding = PADDING[:-1].encode()
     rest = data[first:].rstrip(padding)
@@ -249,7 +262,7 @@ def _bytes_behind(data: bytes, first: int, file: str) -> tuple[Span, str, Span |
     found = [at for mark in (BINARY[:18], b"SECTION") if (at := data.find(mark, first)) >= 0]
     second = ByteSpan(file, min(found), min(found) + 7) if found else None
     last = first + len(rest)
-    return ByteSpan(file, start, last), f"{last - start} bytes", second
+    return Behind(ByteSpan(file, start, last), last - start, second)
 
 
 # --- binary files -----------------------------------------------------------------------------

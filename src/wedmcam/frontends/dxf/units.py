@@ -3,7 +3,7 @@
 A DXF states its unit in ``$INSUNITS`` or not at all, and many exporters state a wrong one: R12 has
 no units, libraries write 6 (metres) into everything, and 'inch' at millimetre size is common. So
 the raw header counts, never a default of the reader; a drawing without units is refused with its
-size; and an unlikely size is said.
+size; and an unlikely size is reported.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ LARGEST_UM, SMALLEST_UM = 1_000_000.0, 1_000.0
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """The unit in force: its name, um in one, and who said so. ``scale`` 0: nobody did."""
+    """The unit in force: its name, um in one, and where it comes from. ``scale`` 0: unknown."""
 
     name: str
     scale: float
@@ -78,23 +78,29 @@ def choose(
             found.append(
                 warning(
                     "units-overridden",
-                    f"the drawing says {drawn[0]} ($INSUNITS {insunits}); "
-                    f"its numbers are taken as {asked}, as --units says",
+                    "the drawing says {stated} ($INSUNITS {insunits}); its numbers are taken as "
+                    "{units}, as --units says",
                     where,
+                    stated=drawn[0],
+                    insunits=insunits,
+                    units=asked,
                 )
             )
         return Unit(asked, ASKED[asked], "--units"), found
     if drawn is None:
         return Unit("", 0.0, ""), found
     if measurement is not None and (insunits in ENGLISH) != (measurement == 0):
-        metric = "English" if measurement == 0 else "metric"
         found.append(
             warning(
                 "units-contradict",
-                f"$INSUNITS {insunits} says {drawn[0]}, $MEASUREMENT {measurement} says {metric}; "
-                f"{drawn[0]} is taken",
+                "$INSUNITS {insunits} says {units}, $MEASUREMENT {measurement} says {system}; "
+                "{units} is taken",
                 where,
-                hint=f"--units {drawn[0] if drawn[0] in ASKED else 'mm'} settles it",
+                hint="--units {units} settles it" if drawn[0] in ASKED else "--units mm settles it",
+                insunits=insunits,
+                units=drawn[0],
+                measurement=measurement,
+                system="English" if measurement == 0 else "metric",
             )
         )
     return Unit(drawn[0], drawn[1], f"$INSUNITS {insunits}"), found
@@ -102,21 +108,24 @@ def choose(
 
 def missing(width: float, height: float, insunits: int | None, file: str) -> Diagnostic:
     """Return the error about a drawing without units; its size is in drawing units."""
-    what = "no $INSUNITS" if insunits is None else f"$INSUNITS {insunits}"
-    size = f"{width:.3f} x {height:.3f}"
-    if not width and not height:
-        return error(
-            "no-units",
-            f"the drawing has no units ({what})",
-            FileSpan(file),
-            hint="give --units mm, --units inch or --units um",
-        )
-    return error(
+    finding = error(
         "no-units",
-        f"the drawing has no units ({what}). Its size is {size} drawing units: "
-        f"{size} mm, or {width * 25.4:.3f} x {height * 25.4:.3f} mm if they are inches",
+        "the drawing has no units (no $INSUNITS)"
+        if insunits is None
+        else "the drawing has no units ($INSUNITS {insunits})",
         FileSpan(file),
         hint="give --units mm, --units inch or --units um",
+        insunits=insunits,
+    )
+    if not width and not height:
+        return finding
+    return finding.extended(
+        ". Its size is {width:.3f} x {height:.3f} drawing units: {width:.3f} x {height:.3f} mm, or "
+        "{inch_width_mm:.3f} x {inch_height_mm:.3f} mm if they are inches",
+        width=width,
+        height=height,
+        inch_width_mm=width * 25.4,
+        inch_height_mm=height * 25.4,
     )
 
 
@@ -137,10 +146,16 @@ def doubt(unit: Unit, width: float, height: float, file: str) -> Diagnostic | No
         if name != unit.name and SMALLEST_UM <= size * factor <= LARGEST_UM:
             return warning(
                 "unlikely-units",
-                f"taken as {unit.name} ({unit.stated_by}) the part is {width / 1e3:.3f} x "
-                f"{height / 1e3:.3f} mm; as {name} it would be {width * factor / 1e3:.3f} x "
-                f"{height * factor / 1e3:.3f} mm",
+                "taken as {units} ({stated_by}) the part is {width_mm:.3f} x {height_mm:.3f} mm; "
+                "as {likely} it would be {likely_width_mm:.3f} x {likely_height_mm:.3f} mm",
                 FileSpan(file),
-                hint=f"--units {name}, if that is right",
+                hint="--units {likely}, if that is right",
+                units=unit.name,
+                stated_by=unit.stated_by,
+                width_mm=width / 1e3,
+                height_mm=height / 1e3,
+                likely=name,
+                likely_width_mm=width * factor / 1e3,
+                likely_height_mm=height * factor / 1e3,
             )
     return None

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from wedmcam.diag import TextSpan
-from wedmcam.frontends.wed.numbers import Number, Numbers, Wrong
+from wedmcam.frontends.wed.numbers import Number, Numbers, Wrong, wrong
 from wedmcam.ir.contour import VERTEX, Contour
 
 XY = tuple[Any, Any]
 
 #: Nearer than this is the same place, um (chains join within it).
-SAME_UM = 1.0
+SAME_PLACE_UM = 1.0
 #: The radius at both ends of an arc may differ by this, um: ends and centre are rounded.
 ROUND_UM = 2.0
 
@@ -128,9 +128,13 @@ class Builder:
         """Add an arc to a point about a centre."""
         one, two = size(*minus(chain.here, center)), size(*minus(end, center))
         if abs(self.um(one) - self.um(two)) > ROUND_UM:
-            raise Wrong(
-                f"the centre is {float(one):.8g} from the start {self.told(chain.here)} of the arc "
-                f"and {float(two):.8g} from its end {self.told(end)}"
+            raise wrong(
+                "the centre is {from_start:.8g} from the start {start} of the arc and "
+                "{from_end:.8g} from its end {end}",
+                from_start=float(one),
+                start=self.told(chain.here),
+                from_end=float(two),
+                end=self.told(end),
             )
         return self._arc(chain, turn, end, center, span)
 
@@ -140,11 +144,13 @@ class Builder:
         half = size(*d) / 2
         r = -radius if radius < 0 else radius
         if self.um(half) < 1e-3:
-            raise Wrong("an arc with a radius ends elsewhere than it starts")
-        if self.um(half) - self.um(r) > SAME_UM:
-            raise Wrong(
-                f"the ends of this arc are {float(half * 2):.8g} apart, more than twice the radius "
-                f"{float(r):.8g}"
+            raise wrong("an arc with a radius ends elsewhere than it starts")
+        if self.um(half) - self.um(r) > SAME_PLACE_UM:
+            raise wrong(
+                "the ends of this arc are {apart:.8g} apart, more than twice the radius "
+                "{radius:.8g}",
+                apart=float(half * 2),
+                radius=float(r),
             )
         away = root((r - half) * (r + half))
         left = (turn > 0) == (radius > 0)
@@ -158,7 +164,10 @@ class Builder:
     ) -> Block:
         """Add an arc about a centre by an angle."""
         if not 0 < float(sweep) < 360:
-            raise Wrong(f"an arc sweeps more than 0 and less than 360 degrees, not {sweep}")
+            raise wrong(
+                "an arc sweeps more than 0 and less than 360 degrees, not {sweep_deg:.10g}",
+                sweep_deg=float(sweep),
+            )
         n = self.numbers
         c, s = n.cos(sweep).value, n.sin(sweep).value
         if turn < 0:
@@ -170,35 +179,37 @@ class Builder:
     def arc_tangent(self, chain: Chain, end: XY, span: TextSpan) -> Block:
         """Add an arc that leaves in the direction in which the block before ends."""
         if not chain.blocks:
-            raise Wrong("a tangent arc needs a block before it")
+            raise wrong("a tangent arc needs a block before it")
         before = chain.blocks[-2].end if len(chain.blocks) > 1 else chain.start
         t = heading(before, chain.blocks[-1], True)
         d = minus(end, chain.here)
         side = cross(t, d)
         if self.um(far(*d)) < 1e-3 or abs(float(side)) < 1e-6 * float(size(*d)):
-            raise Wrong("the end lies straight ahead or behind: no arc is tangent there")
+            raise wrong("the end lies straight ahead or behind: no arc is tangent there")
         r = (d[0] * d[0] + d[1] * d[1]) / (side * 2)
         center = plus(chain.here, (-t[1] * r, t[0] * r))
         return self._arc(chain, 1 if side > 0 else -1, end, center, span)
 
     def _arc(self, chain: Chain, turn: int, end: XY, center: XY, span: TextSpan) -> Block:
         if self.um(far(*minus(end, chain.here))) < 1e-3:
-            raise Wrong("this arc ends where it starts: a full circle is 'circle center ...'")
+            raise wrong("this arc ends where it starts: a full circle is 'circle center ...'")
         if self.um(far(*minus(end, center))) < 1e-3:
-            raise Wrong("this arc has no radius: its centre is one of its ends")
+            raise wrong("this arc has no radius: its centre is one of its ends")
         chain.blocks.append(Block(end, span, center, turn))
         return chain.blocks[-1]
 
     def circle(self, turn: int, center: XY, radius: Any, span: TextSpan) -> Chain:
         """Return a full circle, which starts at its right-most point."""
         if self.um(radius) < 1.0:
-            raise Wrong(f"a circle has a radius of 1 um or more, not {float(radius):.6g}")
+            raise wrong(
+                "a circle has a radius of 1 um or more, not {radius:.6g}", radius=float(radius)
+            )
         start = plus(center, (radius, radius - radius))
         return Chain(start, span, [Block(start, span, center, turn)], True)
 
-    def finished(self, chain: Chain) -> tuple[Chain, list[tuple[str, TextSpan]]]:
-        """Return a chain with its corners made, and what cannot be made."""
-        wrong: list[tuple[str, TextSpan]] = []
+    def finished(self, chain: Chain) -> tuple[Chain, list[tuple[Exception, TextSpan]]]:
+        """Return a chain with its corners made, and why some cannot be made."""
+        failures: list[tuple[Exception, TextSpan]] = []
         blocks = chain.blocks
         starts = [chain.start, *(b.end for b in blocks[:-1])]
         ends = [b.end for b in blocks]
@@ -209,7 +220,8 @@ class Builder:
             kind, value, span = b.corner
             j = (k + 1) % len(blocks)
             if j == 0 and not chain.closed:
-                wrong.append((f"no block follows this {kind}: nothing can be rounded", span))
+                last = wrong("no block follows this {corner}: nothing can be rounded", corner=kind)
+                failures.append((last, span))
                 continue
             try:
                 make = self._fillet if kind == "fillet" else self._chamfer
@@ -218,7 +230,7 @@ class Builder:
                 self._fits(starts[k], ends[k], b, one, True)
                 self._fits(starts[j], ends[j], blocks[j], two, False)
             except (Wrong, ArithmeticError, ValueError) as why:
-                wrong.append((str(why) or "this corner cannot be made", span))
+                failures.append((why if str(why) else wrong("this corner cannot be made"), span))
                 continue
             ends[k], starts[j], between[k] = one, two, piece
         out = Chain(starts[0] if blocks else chain.start, chain.span, [], chain.closed)
@@ -227,7 +239,7 @@ class Builder:
                 out.blocks.append(Block(ends[k], b.span, b.center, b.turn))
             if (added := between[k]) is not None:
                 out.blocks.append(added)
-        return out, wrong
+        return out, failures
 
     def _start(self, chain: Chain, k: int) -> XY:
         return chain.blocks[k - 1].end if k else chain.start
@@ -238,8 +250,9 @@ class Builder:
             (ux, uy), d = minus(end, start), minus(at, start) if keep_start else minus(end, at)
             length, dx, dy = far(ux, uy), float(d[0]), float(d[1])
             if float(ux) * dx + float(uy) * dy < -1e-9 * length * max(1.0, math.hypot(dx, dy)):
-                raise Wrong(
-                    f"the corner does not fit: its neighbour, {length:.6g} long, is too short"
+                raise wrong(
+                    "the corner does not fit: its neighbour, {length:.6g} long, is too short",
+                    length=length,
                 )
             return
         a, b, p = (
@@ -248,16 +261,16 @@ class Builder:
         )
         sweep, part = ((q - a) * block.turn % (2 * math.pi) for q in (b, p))
         if part > sweep + 1e-9 and part < 2 * math.pi - 1e-9:
-            raise Wrong("the corner does not fit: the arc beside it is too short")
+            raise wrong("the corner does not fit: the arc beside it is too short")
 
     def _chamfer(
         self, b: Block, c: Block, start: XY, value: Number, span: TextSpan
     ) -> tuple[XY, XY, Block]:
         if b.turn or c.turn:
-            raise Wrong("a chamfer stands between two lines")
+            raise wrong("a chamfer stands between two lines")
         d = value.value
         if not d > 0:
-            raise Wrong(f"a chamfer is longer than 0, not {value}")
+            raise wrong("a chamfer is longer than 0, not {chamfer:.10g}", chamfer=float(value))
         t, u = heading(start, b, True), heading(b.end, c, False)
         one = minus(b.end, (t[0] * d, t[1] * d))
         two = plus(b.end, (u[0] * d, u[1] * d))
@@ -268,12 +281,12 @@ class Builder:
     ) -> tuple[XY, XY, Block]:
         r = value.value
         if not r > 0:
-            raise Wrong(f"a fillet has a radius above 0, not {value}")
+            raise wrong("a fillet has a radius above 0, not {radius:.10g}", radius=float(value))
         corner = b.end
         t, u = heading(start, b, True), heading(corner, c, False)
         turn = cross(t, u)
         if abs(float(turn)) < 1e-6:
-            raise Wrong("there is no corner here: the blocks go on straight, or turn back")
+            raise wrong("there is no corner here: the blocks go on straight, or turn back")
         side = 1 if turn > 0 else -1
         center = self._between(b, c, corner, t, u, r * side)
         one = self._foot(b, corner, t, r * side, center)
@@ -302,7 +315,7 @@ class Builder:
                 centre = minus(block.center, corner)
                 radius = size(*centre) - by * block.turn
                 if not radius > 0:
-                    raise Wrong("the fillet is larger than the arc that it rounds into")
+                    raise wrong("the fillet is larger than the arc that it rounds into")
                 circles.append((centre, radius))
         if len(circles) == 1:
             w = u if b.turn else t
@@ -311,7 +324,7 @@ class Builder:
             along, off = d[0] * w[0] + d[1] * w[1], cross(w, d)
             square = (radius - off) * (radius + off)
             if square < 0:
-                raise Wrong("no fillet of this radius touches both blocks")
+                raise wrong("no fillet of this radius touches both blocks")
             both = [along - root(square), along + root(square)]
             found = [plus(p, (w[0] * a, w[1] * a)) for a in both]
         else:
@@ -319,11 +332,11 @@ class Builder:
             d = minus(c2, c1)
             apart = size(*d)
             if not apart > 0:
-                raise Wrong("both arcs have one centre: there is no corner between them")
+                raise wrong("both arcs have one centre: there is no corner between them")
             along = (apart + (r1 - r2) * (r1 + r2) / apart) / 2
             square = (r1 - along) * (r1 + along)
             if square < 0:
-                raise Wrong("no fillet of this radius touches both blocks")
+                raise wrong("no fillet of this radius touches both blocks")
             v, h = (d[0] / apart, d[1] / apart), root(square)
             foot = plus(c1, (v[0] * along, v[1] * along))
             found = [plus(foot, (-v[1] * h, v[0] * h)), plus(foot, (v[1] * h, -v[0] * h))]

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from wedmcam.diag import Diagnostic, error
+from wedmcam.diag.lists import Listing
 from wedmcam.frontends.wed.chunks import COMMANDS, STATEMENTS, Source
 
 ENTRIES = ("program", "statement", "heading", "command", "transform", "expression")
@@ -152,31 +153,39 @@ def _expected(source: Source, text: str, start: int, why: Any, entry: str) -> Di
     at = None if at is None else at - start
     if token is None and at is not None and at < len(text):
         word = text[at]
-        seen, length = f"'{word}' has no meaning here", 1
+        length = 1
     elif token is None or token.type == "$END":
         at, word, length = len(text), "", 1
-        seen = "something is missing at the end of this"
     else:
         word, length = str(token), len(token)
-        shown = word if len(word) <= 40 else word[:37] + "..."
-        seen = f"'{shown}' has no meaning here"
     if at >= len(text) and text:
         at, length = len(text) - 1, 1
-    hint = None
     known = _words(names)
     if entry == "command":
         known = known - set(STATEMENTS) | set(COMMANDS)
     elif entry == "statement":
         known |= set(STATEMENTS)
-    if word in ("mm", "um", "inch", "in", "deg"):
-        hint = "numbers stand alone: the unit is that of the program, angles are degrees"
-    elif word == "," and re.match(r"\d,\d", text[at - 1 : at + 2]):
-        hint = "numbers have a decimal point: 9.5"
-    elif word[:1].isalpha() and (near := difflib.get_close_matches(word.lower(), known, 1, 0.5)):
-        hint = f"did you mean '{near[0]}'?"
-    wanted = expectation(names, entry)
-    message = f"{seen}; expected is {wanted}" if wanted else seen
-    return error("wed-syntax", message, source.span(start + at, start + at + length), hint=hint)
+    unit = word in ("mm", "um", "inch", "in", "deg")
+    comma = word == "," and re.match(r"\d,\d", text[at - 1 : at + 2])
+    named = word[:1].isalpha() and not unit
+    near = difflib.get_close_matches(word.lower(), known, 1, 0.5) if named else []
+    finding = error(
+        "wed-syntax",
+        "'{word}' has no meaning here" if word else "something is missing at the end of this",
+        source.span(start + at, start + at + length),
+        hint="numbers stand alone: the unit is that of the program, angles are degrees"
+        if unit
+        else "numbers have a decimal point: 9.5"
+        if comma
+        else "did you mean '{nearest}'?"
+        if near
+        else None,
+        word=word if len(word) <= 40 else word[:37] + "...",
+        nearest=near[0] if near else None,
+    )
+    if expected := expectation(names, entry):
+        return finding.extended("; expected is {expected}", expected=expected)
+    return finding
 
 
 def _words(names: Iterable[str]) -> set[str]:
@@ -188,7 +197,7 @@ def _words(names: Iterable[str]) -> set[str]:
     return words
 
 
-def expectation(names: set[str], entry: str = "") -> str:
+def expectation(names: set[str], entry: str = "") -> Listing:
     """Return what would have been right, in words."""
     names = set(names)
     out = []
@@ -208,4 +217,4 @@ def expectation(names: set[str], entry: str = "") -> str:
         if t.name in names and t.name not in _SAID and not re.search(r"[a-z]", t.pattern.value):
             out.append(f"'{t.pattern.value.replace(chr(92), '')}'")
     out = [o for o in out if o != "'}'"] if entry == "statement" else out
-    return " or ".join([", ".join(out[:-1]), out[-1]] if len(out) > 1 else out)
+    return Listing(out, end=" or ")

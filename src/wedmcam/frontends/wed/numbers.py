@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from wedmcam.diag import Diagnostic, Span, error
+
 #: An exact value with more bits than this is let go.
 MOST_BITS = 256
 #: Numbers beyond this are typing errors; they have no place on a machine.
@@ -19,7 +21,19 @@ LARGEST = 1e15
 
 
 class Wrong(Exception):  # noqa: N818 - a way out of one expression
-    """There is no such number; the text says why."""
+    """There is no such number, or no such block; made by `wrong`.
+
+    ``finding``: what is wrong, of a code, at a place.
+    """
+
+    def __init__(self, text: str, finding: Callable[[str, Span], Diagnostic]) -> None:
+        super().__init__(text)
+        self.finding = finding
+
+
+def wrong(template: str, **values: Any) -> Wrong:
+    """Return the exception that says why there is no such number, with values of its template."""
+    return Wrong(template, lambda code, span: error(code, template, span, **values))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,9 +91,9 @@ class Numbers:
             return self.literals[text]
         size = abs(float(text))
         if len(text) > 60 or not size <= LARGEST:
-            raise Wrong("this number is beyond 10^15, or has more digits than anybody can use")
+            raise wrong("this number is beyond 10^15, or has more digits than anybody can use")
         if size < 1e-30 and any(c in "123456789" for c in text.lower().split("e")[0]):
-            raise Wrong("this number is too small to work with")
+            raise wrong("this number is too small to work with")
         self.literals[text] = Number(self.make(text), _kept(_exact(text)))
         return self.literals[text]
 
@@ -92,9 +106,11 @@ class Numbers:
         try:
             value = work()
         except (ArithmeticError, ValueError, TypeError) as why:
-            raise Wrong(str(why) or "there is no such number") from None
+            if not str(why):
+                raise wrong("there is no such number") from None
+            raise wrong("{reason}", reason=str(why)) from None
         if isinstance(value, complex) or not abs(float(value)) <= LARGEST:
-            raise Wrong("the result is beyond 10^15")
+            raise wrong("the result is beyond 10^15")
         return Number(value, _kept(exact))
 
     def add(self, a: Number, b: Number) -> Number:
@@ -118,7 +134,7 @@ class Numbers:
     def divide(self, a: Number, b: Number) -> Number:
         """Return a / b."""
         if not b.value:
-            raise Wrong("division by zero")
+            raise wrong("division by zero")
         exact = None if a.exact is None or not b.exact else a.exact / b.exact
         return self._made(lambda: a.value / b.value, exact)
 
@@ -134,7 +150,7 @@ class Numbers:
     def sqrt(self, a: Number) -> Number:
         """Return the square root."""
         if a.value < 0:
-            raise Wrong(f"the square root of {a} is no number")
+            raise wrong("the square root of {number:.10g} is no number", number=float(a))
         return self._made(lambda: _call(a.value, "sqrt"), None)
 
     def sin(self, a: Number) -> Number:
@@ -148,7 +164,7 @@ class Numbers:
     def tan(self, a: Number) -> Number:
         """Return the tangent of an angle in degrees."""
         if a.fraction % 180 == 90:
-            raise Wrong(f"the tangent of {a} degrees is no number")
+            raise wrong("the tangent of {angle_deg:.10g} degrees is no number", angle_deg=float(a))
         return self._made(lambda: self._turn(a, "tan"), None)
 
     def asin(self, a: Number) -> Number:

@@ -6,10 +6,10 @@ import contextlib
 from collections.abc import Sequence
 
 from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, option_texts, warning
-from wedmcam.frontends.wed.blocks import SAME_UM, Builder, Chain, minus, size
+from wedmcam.frontends.wed.blocks import SAME_PLACE_UM, Builder, Chain, minus, size
 from wedmcam.frontends.wed.chunks import RESERVED, Piece, Source, pieces
 from wedmcam.frontends.wed.grammar import Node, parsed
-from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong
+from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong, wrong
 from wedmcam.frontends.wed.values import FACTORS, KNOWN, Scope, Stop, Value, kind_of, near
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.figure import Sequence as Stages
@@ -39,7 +39,13 @@ def read(
     ('inside', 100.0)
     """
     if len(data) > MOST_TEXT:
-        return None, [error("too-large", f"{len(data)} characters are no program of a part")]
+        return None, [
+            error(
+                "too-large",
+                "{characters} characters are no program of a part",
+                characters=len(data),
+            )
+        ]
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as why:
@@ -143,8 +149,7 @@ class _Reader:
         for defined, (_, span) in self.defines.items():
             if defined not in self.used:
                 lets = [n for n in scope.later if n not in self.blocks]
-                text = f"-D: no 'let' is called '{defined}'"
-                scope.tell("unknown-name", text, span, near(defined, lets))
+                scope.tell_unknown("-D: no 'let' is called '{name}'", span, lets, name=defined)
         if not self.cuts and not has_errors(scope.found):
             scope.found.append(
                 error(
@@ -166,7 +171,12 @@ class _Reader:
             source = Source(text, place)
             if not equals or not name.isidentifier():
                 self.scope.found.append(
-                    error("wed-syntax", f"'{text}' is no NAME=VALUE", source.span(0, len(text)))
+                    error(
+                        "wed-syntax",
+                        "'{text}' is no NAME=VALUE",
+                        source.span(0, len(text)),
+                        text=text,
+                    )
                 )
                 continue
             tree, found = parsed(source, "expression", len(text) - len(value), len(text))
@@ -189,11 +199,23 @@ class _Reader:
         word = node.items[0]
         span = self.scope.span(word)
         if word.text not in FACTORS:
-            self.scope.tell("wed-value", f"no unit is called '{word.text}'", span,
-                            near(word.text, FACTORS) or "mm, um or inch")  # fmt: skip
+            nearest = near(word.text, FACTORS)
+            self.scope.tell(
+                "wed-value",
+                "no unit is called '{name}'",
+                span,
+                "did you mean '{nearest}'?" if nearest else "mm, um or inch",
+                name=word.text,
+                nearest=nearest,
+            )
         elif self.units_at is not None and word.text != self.scope.units:
-            self.scope.tell("wed-value", f"the unit is {self.scope.units} already, since line "
-                            f"{self.units_at.line}", span)  # fmt: skip
+            self.scope.tell(
+                "wed-value",
+                "the unit is {units} already, since line {line}",
+                span,
+                units=self.scope.units,
+                line=self.units_at.line,
+            )
         elif self.units_at is None and (self.scope.names or self.cuts):
             self.scope.tell("wed-value", "the unit comes before what is measured in it", span,
                             "put it at the top")  # fmt: skip
@@ -204,12 +226,22 @@ class _Reader:
         """Return a name that may be given, or None."""
         name, span = word.text, self.scope.span(word)
         if name in RESERVED or name in KNOWN:
-            self.scope.tell("name-taken", f"'{name}' is a word of the language and can be no name",
-                            span)  # fmt: skip
+            self.scope.tell(
+                "name-taken",
+                "'{name}' is a word of the language and can be no name",
+                span,
+                name=name,
+            )
             return None
         if name in self.scope.places:
             line = self.scope.places[name].line
-            self.scope.tell("name-taken", f"'{name}' is given already, in line {line}", span)
+            self.scope.tell(
+                "name-taken",
+                "'{name}' is given already, in line {line}",
+                span,
+                name=name,
+                line=line,
+            )
             return None
         self.scope.places[name] = span
         return name
@@ -235,9 +267,10 @@ class _Reader:
         if not isinstance(value, Shape):
             self.scope.tell(
                 "wed-kind",
-                f"transforms are of figures, not of {kind_of(value)[2:]}s",
+                "transforms are of figures, not of {kind}s",
                 self.scope.span(base),
                 "figures are named by 'contour' or 'let'",
+                kind=kind_of(value).removeprefix("a "),
             )
             raise Stop
         made, stopped = [], False
@@ -259,7 +292,9 @@ class _Reader:
         for clause in node.items[side + 1 :]:
             value = clause.items[0]
             if clause.kind in told:
-                scope.tell("wed-syntax", f"'{clause.kind}' stands twice", scope.span(value))
+                scope.tell(
+                    "wed-syntax", "'{clause}' stands twice", scope.span(value), clause=clause.kind
+                )
             told[clause.kind] = value
         values: dict[str, float] = {}
         points: dict[str, tuple[float, float, TextSpan]] = {}
@@ -274,8 +309,12 @@ class _Reader:
                 else:
                     values[kind] = scope.um(value, f"'{kind}'")
                     if kind in ("stop", "overcut") and 0 < values[kind] < 1:
-                        what = f"'{kind}' is 0 or 1 um at least: no step is shorter"
-                        scope.tell("wed-value", what, scope.span(value))
+                        scope.tell(
+                            "wed-value",
+                            "'{clause}' is 0 or 1 um at least: no step is shorter",
+                            scope.span(value),
+                            clause=kind,
+                        )
                         stopped = True
             except Stop:
                 stopped = True
@@ -286,8 +325,12 @@ class _Reader:
             stopped = True
         shape = self._figure(node.items[0], node.items[1:side])
         if not isinstance(shape, Shape):
-            scope.tell("wed-kind", f"a figure is cut, not {kind_of(shape)}",
-                       scope.span(node.items[0]))  # fmt: skip
+            scope.tell(
+                "wed-kind",
+                "a figure is cut, not {kind}",
+                scope.span(node.items[0]),
+                kind=kind_of(shape),
+            )
             raise Stop
         if stopped:
             raise Stop
@@ -305,7 +348,7 @@ class _Reader:
         if heading is not None:
             name = self._named(heading.items[0])
         if not ended and heading is not None:
-            scope.tell("wed-syntax", "the '}' of this contour is missing",
+            scope.tell("wed-syntax", "the '}}' of this contour is missing",
                        self.source.span(piece.start, piece.end))  # fmt: skip
         chains, good = self._chains(body)
         contours: list[Contour] = []
@@ -316,11 +359,11 @@ class _Reader:
                     scope.tell("wed-contour", "no block follows: a point cannot be cut", chain.span)
                 good = False
                 continue
-            made, wrong = builder.finished(chain)
-            for text, span in wrong:
-                scope.tell("wed-contour", text, span)
+            made, failures = builder.finished(chain)
+            for why, span in failures:
+                scope.tell_wrong("wed-contour", why, span)
                 good = False
-            if wrong:
+            if failures:
                 continue
             if made.closed and len(made.blocks) < 3 and not any(b.turn for b in made.blocks):
                 scope.tell("wed-contour", "this contour runs out and back on one line: it encloses "
@@ -352,10 +395,14 @@ class _Reader:
                 self._values_of(command)
                 continue
             elif not chains or chains[-1].closed:
-                what = "after 'close' a new chain begins with 'from'" if chains else (
-                    "a contour begins with 'from' or is a 'circle'"
-                )  # fmt: skip
-                self.scope.tell("wed-contour", "it is not said where this block starts", span, what)
+                self.scope.tell(
+                    "wed-contour",
+                    "it is not said where this block starts",
+                    span,
+                    "after 'close' a new chain begins with 'from'"
+                    if chains
+                    else "a contour begins with 'from' or is a 'circle'",
+                )
                 good, lost = False, True
                 continue
             try:
@@ -363,7 +410,7 @@ class _Reader:
             except Stop:
                 good, lost = False, True
             except (Wrong, ArithmeticError, ValueError) as why:
-                self.scope.tell("wed-contour", str(why) or "this block cannot be", span)
+                self.scope.tell_wrong("wed-contour", why, span)
                 good, lost = False, True
         return chains, good
 
@@ -434,8 +481,8 @@ class _Reader:
         span: TextSpan,
     ) -> None:
         if not chain.blocks:
-            raise Wrong("there is nothing to close yet")
-        if float(size(*minus(chain.here, chain.start))) * self.scope.factor > SAME_UM:
+            raise wrong("there is nothing to close yet")
+        if float(size(*minus(chain.here, chain.start))) * self.scope.factor > SAME_PLACE_UM:
             builder.line(chain, chain.start, span)
         else:
             chain.blocks[-1].end = chain.start

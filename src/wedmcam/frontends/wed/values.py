@@ -11,8 +11,10 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
 
 from wedmcam.diag import Diagnostic, TextSpan, error
+from wedmcam.diag.lists import all_of
 from wedmcam.frontends.wed.chunks import Source
 from wedmcam.frontends.wed.grammar import Node
 from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong
@@ -78,9 +80,34 @@ class Scope:
         """Return the place of a node."""
         return self.source.span(node.start, node.end)
 
-    def tell(self, code: str, message: str, span: TextSpan, hint: str | None = None) -> None:
-        """Report an error."""
-        self.found.append(error(code, message, span, hint=hint))
+    def tell(
+        self, code: str, template: str, span: TextSpan, hint: str | None = None, **values: Any
+    ) -> None:
+        """Report an error; ``values`` of its template and its hint."""
+        self.found.append(error(code, template, span, hint=hint, **values))
+
+    def tell_wrong(self, code: str, why: Exception, span: TextSpan) -> None:
+        """Report why a number or a block cannot be."""
+        if isinstance(why, Wrong):
+            self.found.append(why.finding(code, span))
+        elif str(why):
+            self.tell(code, "{reason}", span, reason=str(why))
+        else:
+            self.tell(code, "this block cannot be", span)
+
+    def tell_unknown(
+        self, template: str, span: TextSpan, known: Iterable[str], *, name: str
+    ) -> None:
+        """Report a name that nothing has, with the nearest of those that are known."""
+        nearest = near(name, known)
+        self.tell(
+            "unknown-name",
+            template,
+            span,
+            "did you mean '{nearest}'?" if nearest else None,
+            name=name,
+            nearest=nearest,
+        )
 
     # --- values ---
 
@@ -97,7 +124,12 @@ class Scope:
         """Return an expression that must be a number."""
         value = self.value(node)
         if not isinstance(value, Number):
-            self.tell("wed-kind", f"a number is needed here, not {kind_of(value)}", self.span(node))
+            self.tell(
+                "wed-kind",
+                "a number is needed here, not {kind}",
+                self.span(node),
+                kind=kind_of(value),
+            )
             raise Stop
         return value
 
@@ -107,9 +139,10 @@ class Scope:
         if not isinstance(value, Point):
             self.tell(
                 "wed-kind",
-                f"a point is needed here, not {kind_of(value)}",
+                "a point is needed here, not {kind}",
                 self.span(node),
                 "points are (x, y)",
+                kind=kind_of(value),
             )
             raise Stop
         for n in (value.x, value.y):
@@ -118,7 +151,13 @@ class Scope:
 
     def _bounded(self, n: Number, node: Node) -> None:
         if abs(float(n)) * self.factor > MOST_UM:
-            self.tell("wed-value", f"{n} {self.units} is more than 100 m", self.span(node))
+            self.tell(
+                "wed-value",
+                "{length:.10g} {units} is more than 100 m",
+                self.span(node),
+                length=float(n),
+                units=self.units,
+            )
             raise Stop
 
     def length(self, node: Node) -> Number:
@@ -132,7 +171,13 @@ class Scope:
         n = self.length(node)
         um = self.numbers.um(n, self.factor)
         if um < least:
-            self.tell("wed-value", f"{what} is not negative, but {n} is", self.span(node))
+            self.tell(
+                "wed-value",
+                "{clause} is not negative, but {length:.10g} is",
+                self.span(node),
+                clause=what,
+                length=float(n),
+            )
             raise Stop
         return um
 
@@ -140,7 +185,7 @@ class Scope:
         try:
             return work()
         except Wrong as why:
-            self.tell("wed-value", str(why), self.span(node))
+            self.tell_wrong("wed-value", why, self.span(node))
             raise Stop from None
 
     def _number(self, node: Node) -> Value:
@@ -164,22 +209,36 @@ class Scope:
             return value
         if name == "pi":
             return Number(self.numbers.make(math.pi))
-        hint = near(name, [*self.names, *KNOWN])
-        if name in self.later:
-            hint = f"it is given in line {self.later[name]}: names come before their use"
-        elif name in KNOWN:
-            hint = f"{name}(...) is a function"
-        self.tell("unknown-name", f"nothing is called '{name}'", self.span(node), hint)
+        if name in self.later or name in KNOWN:
+            self.tell(
+                "unknown-name",
+                "nothing is called '{name}'",
+                self.span(node),
+                "it is given in line {line}: names come before their use"
+                if name in self.later
+                else "{name}(...) is a function",
+                name=name,
+                line=self.later.get(name),
+            )
+        else:
+            known = [*self.names, *KNOWN]
+            self.tell_unknown("nothing is called '{name}'", self.span(node), known, name=name)
         raise Stop
 
     def _member(self, node: Node) -> Value:
         value = self.value(node.items[0])
         axis = node.items[1].text
         if not isinstance(value, Point):
-            self.tell("wed-kind", f"{kind_of(value)} has no .{axis}", self.span(node))
+            self.tell(
+                "wed-kind",
+                "{kind} has no .{axis}",
+                self.span(node),
+                kind=kind_of(value),
+                axis=axis,
+            )
             raise Stop
         if axis not in ("x", "y"):
-            self.tell("wed-kind", f"a point has .x and .y, no .{axis}", self.span(node))
+            self.tell("wed-kind", "a point has .x and .y, no .{axis}", self.span(node), axis=axis)
             raise Stop
         return value.x if axis == "x" else value.y
 
@@ -195,8 +254,13 @@ class Scope:
         return n.negate(value)
 
     def _mismatch(self, sign: str, a: Value, b: Value | None, node: Node) -> Value:
-        both = kind_of(a) if b is None else f"{kind_of(a)} and {kind_of(b)}"
-        self.tell("wed-kind", f"'{sign}' does not go with {both}", self.span(node))
+        self.tell(
+            "wed-kind",
+            "'{sign}' does not go with {kinds}",
+            self.span(node),
+            sign=sign,
+            kinds=all_of(kind_of(value) for value in (a, b) if value is not None),
+        )
         raise Stop
 
     def _sum(self, node: Node) -> Value:
@@ -245,21 +309,26 @@ class Scope:
     def _call(self, node: Node) -> Value:
         name, given = node.items[0].text, node.items[1:]
         if name not in (*FUNCTIONS, "polar"):
-            hint = near(name, (*FUNCTIONS, "polar"))
-            self.tell("unknown-name", f"no function is called '{name}'",
-                      self.span(node.items[0]), hint)  # fmt: skip
+            place, known = self.span(node.items[0]), (*FUNCTIONS, "polar")
+            self.tell_unknown("no function is called '{name}'", place, known, name=name)
             raise Stop
         takes = {"atan2": (2, 2), "polar": (2, 3), "min": (1, 99), "max": (1, 99)}.get(name, (1, 1))
         if not takes[0] <= len(given) <= takes[1]:
-            wanted = str(takes[0]) if takes[0] == takes[1] else f"{takes[0]} to {takes[1]}"
             form = {"atan2": "(y, x)", "polar": "(r, angle) or (r, angle, about)"}.get(
                 name, "(...)"
             )
             self.tell(
                 "wed-kind",
-                f"{name} takes {wanted} values, not {len(given)}",
+                "{function} takes {least} values, not {given}"
+                if takes[0] == takes[1]
+                else "{function} takes {least} to {most} values, not {given}",
                 self.span(node),
-                f"{name}{form}",
+                "{function}{form}",
+                function=name,
+                least=takes[0],
+                most=takes[1],
+                given=len(given),
+                form=form,
             )
             raise Stop
         if name == "polar":
@@ -308,8 +377,9 @@ class Scope:
         if axis not in ("x", "y"):
             self.tell(
                 "wed-value",
-                f"symmetry is about the x or the y axis, not '{node.items[0].text}'",
+                "symmetry is about the x or the y axis, not '{axis}'",
                 self.span(node.items[0]),
+                axis=node.items[0].text,
             )
             raise Stop
         return Symmetry("x" if axis == "x" else "y")
@@ -319,9 +389,10 @@ class Scope:
         if value.fraction not in (45, 135):
             self.tell(
                 "wed-value",
-                f"a mirror stands at 45 or 135 degrees, not at {value}",
+                "a mirror stands at 45 or 135 degrees, not at {angle_deg:.10g}",
                 self.span(node.items[0]),
                 "any other line: symmetry x or y, and rotate",
+                angle_deg=float(value),
             )
             raise Stop
         return Mirror(45 if value.fraction == 45 else 135)
@@ -335,8 +406,12 @@ class Scope:
     def _rotate(self, node: Node) -> Transform:
         angle = self.number(node.items[0])
         if abs(float(angle)) > 1_000_000:
-            self.tell("wed-value", f"an angle of {angle} degrees is a typing error",
-                      self.span(node.items[0]))  # fmt: skip
+            self.tell(
+                "wed-value",
+                "an angle of {angle_deg:.10g} degrees is a typing error",
+                self.span(node.items[0]),
+                angle_deg=float(angle),
+            )
             raise Stop
         copies, about = self._options(node.items[1:], MOST_TURNS)
         return Rotate(angle.fraction, copies, about)
@@ -345,7 +420,9 @@ class Scope:
         copies, about, seen = 0, (0.0, 0.0), set()
         for node in nodes:
             if node.kind in seen:
-                self.tell("wed-syntax", f"'{node.kind}' stands twice", self.span(node))
+                self.tell(
+                    "wed-syntax", "'{clause}' stands twice", self.span(node), clause=node.kind
+                )
                 raise Stop
             seen.add(node.kind)
             if node.kind == "about":
@@ -359,24 +436,25 @@ class Scope:
             if n.denominator != 1 or not 1 <= n <= most:
                 self.tell(
                     "wed-value",
-                    f"copies are a whole number from 1 to {most}, not {_said(n)}",
+                    "copies are a whole number from 1 to {most}, not {copies}",
                     self.span(node.items[0]),
                     "the figure itself is not counted: 36 slots are 35 copies",
+                    most=most,
+                    copies=_text_of(n),
                 )
                 raise Stop
             copies = int(n)
         return copies, about
 
 
-def _said(n: Fraction) -> str:
+def _text_of(n: Fraction) -> str:
     return str(n.numerator) if n.denominator == 1 else f"{float(n):.6g}"
 
 
 def near(name: str, known: Iterable[str]) -> str | None:
-    """Return a hint with the nearest name, or None.
+    """Return the nearest name, or None.
 
     >>> near("blde", ["blade", "w"])
-    "did you mean 'blade'?"
+    'blade'
     """
-    found = difflib.get_close_matches(name, list(known), 1, 0.5)
-    return f"did you mean '{found[0]}'?" if found else None
+    return next(iter(difflib.get_close_matches(name, list(known), 1, 0.5)), None)

@@ -96,10 +96,10 @@ def read(
         options: units and layers.
 
     Returns:
-        The sketch, and findings. The sketch is None where the file cannot be read or nobody says
-        its units; with any other error it holds what could be read, for a look at it. A sketch
-        that comes with errors must not be cut. Segments are in order of entity, blocks after the
-        layout or block that inserts them. Never raises, whatever the bytes.
+        The sketch, and findings. The sketch is None where the file cannot be read or its
+        units are unknown; with any other error it holds what could be read, for a look at it. A
+        sketch that comes with errors must not be cut. Segments are in order of entity, blocks after
+        the layout or block that inserts them. Never raises, whatever the bytes.
     """
     options = options or DxfOptions()
     assert options.units is None or options.units in units.ASKED, options.units

@@ -54,7 +54,7 @@ TOGETHER = {"ELLIPSE": (41, 42)}
 #: Likewise, what may stand once behind each point (a code of `POINTS`) of a list of points.
 AT_POINT = {"LWPOLYLINE": (20, 40, 41, 42, 91), "SPLINE": (20, 30, 21, 31, 22, 32, 23, 33)}
 POINTS = (10, 11, 12, 13)
-#: Counts: the code that states one, and the code of which there are so many.
+#: Counts: the code that states one, and the code that is counted.
 COUNTS = {
     "LWPOLYLINE": ((90, 10, "vertices"),),
     "SPLINE": ((72, 40, "knots"), (73, 10, "control points"), (74, 11, "fit points")),
@@ -63,7 +63,7 @@ COUNTS = {
 UNITS = "$INSUNITS"
 VARIABLES = (UNITS, "$MEASUREMENT", "$ACADVER", "$DWGCODEPAGE")
 COMMENT = 999
-#: Sections of which a reader takes one.
+#: Sections that a reader takes once.
 SECTIONS = ("TABLES", "BLOCKS", "ENTITIES")
 #: Codes whose values are names, in which case makes no difference.
 NAMES = (2, 8)
@@ -78,7 +78,7 @@ class Reading:
     """What of a drawing is read.
 
     Attributes:
-        blocks: names of the blocks, in lower case, of which something is cut somewhere.
+        blocks: names of the blocks, in lower case, whose contents are cut somewhere.
         layer: whether what lies on a layer is cut, or is a thread point.
         leaves_out_type: whether entities of a type, on a layer, are left out.
         units: whether the size follows from the drawing's own units.

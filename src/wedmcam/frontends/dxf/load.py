@@ -572,7 +572,7 @@ def _place(tags: Tags, line: int) -> str:
 
 
 def _refused(lines: list[str], tags: Tags, why: Hopeless) -> Diagnostic:
-    """Return the error about a file of which nothing can be had: with the entity it stops in."""
+    """Return the error about a file that gives nothing: with the entity it stops in."""
     line = min(why.line, len(lines) - 1)
     inside = _entity_before(lines, line)
     return error(

@@ -118,7 +118,7 @@ class Placement:
         circles: curves that are circles but for nothing.
         curve_um: how far a curve is from its arcs at most, um; None where there is no curve.
         too_large: whether copying stopped at a limit.
-        blocks: names, in lower case, of the blocks of which something is cut, or a thread point.
+        blocks: names, in lower case, of the blocks that hold what is cut, or a thread point.
     """
 
     sources: list[EntityRef] = field(default_factory=list)

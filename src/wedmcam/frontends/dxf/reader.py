@@ -69,10 +69,10 @@ def read(
             None: all.
 
     Returns:
-        The sketch, and findings. The sketch is None where the file cannot be read or nobody says
-        its units; with any other error it holds what could be read, for a look at it. A sketch
-        that comes with errors must not be cut. Segments are in order of entity, blocks after the
-        layout or block that inserts them. Never raises, whatever the bytes.
+        The sketch, and findings. The sketch is None where the file cannot be read or its
+        units are unknown; with any other error it holds what could be read, for a look at it. A
+        sketch that comes with errors must not be cut. Segments are in order of entity, blocks after
+        the layout or block that inserts them. Never raises, whatever the bytes.
     """
     options = options or DrawingReading()
     loaded, found_loading = load(data, file)

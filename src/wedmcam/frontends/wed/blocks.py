@@ -113,7 +113,7 @@ class Builder:
         """Return a length in um."""
         return float(a) * self.factor
 
-    def told(self, p: XY) -> str:
+    def text_of(self, p: XY) -> str:
         """Return a point for people, in the unit of the program."""
         return f"({float(p[0]):.6g}, {float(p[1]):.6g})"
 
@@ -132,9 +132,9 @@ class Builder:
                 "the centre is {from_start:.8g} from the start {start} of the arc and "
                 "{from_end:.8g} from its end {end}",
                 from_start=float(one),
-                start=self.told(chain.here),
+                start=self.text_of(chain.here),
                 from_end=float(two),
-                end=self.told(end),
+                end=self.text_of(end),
             )
         return self._arc(chain, turn, end, center, span)
 

@@ -127,7 +127,7 @@ class _Reader:
         scope.later = {
             name.text: self.scope.span(name).line
             for _, tree in reversed(trees)
-            if tree is not None and (name := _given(tree)) is not None
+            if tree is not None and (name := _name_node(tree)) is not None
         }
         at = 0
         while at < len(trees):
@@ -181,13 +181,13 @@ class _Reader:
                 continue
             tree, found = parsed(source, "expression", len(text) - len(value), len(text))
             self.scope.found += found
-            made: Value | None = None
+            meaning: Value | None = None
             if tree is not None:
                 scope = Scope(source, self.scope.numbers)
                 with contextlib.suppress(Stop):
-                    made = scope.value(tree)
+                    meaning = scope.value(tree)
                 self.scope.found += scope.found
-            out[name] = (made, source.span(0, len(name)))
+            out[name] = (meaning, source.span(0, len(name)))
         return out
 
     # --- statements ---
@@ -273,33 +273,33 @@ class _Reader:
                 kind=kind_of(value).removeprefix("a "),
             )
             raise Stop
-        made, stopped = [], False
+        transforms, stopped = [], False
         for stage in stages:
             span = self.scope.span(stage)
             try:
-                made.append((self.scope.transform(stage), span))
+                transforms.append((self.scope.transform(stage), span))
             except Stop:
                 stopped = True
         if stopped:
             raise Stop
-        return Shape(value.chains, (*value.stages, *made))
+        return Shape(value.chains, (*value.stages, *transforms))
 
     def _cut(self, node: Node, piece: Piece) -> None:
         scope = self.scope
         side = next(k for k, item in enumerate(node.items) if item.kind == "SIDE")
         span = self.source.span(piece.start, piece.end)
-        told: dict[str, Node] = {}
+        clauses: dict[str, Node] = {}
         for clause in node.items[side + 1 :]:
             value = clause.items[0]
-            if clause.kind in told:
+            if clause.kind in clauses:
                 scope.tell(
                     "wed-syntax", "'{clause}' stands twice", scope.span(value), clause=clause.kind
                 )
-            told[clause.kind] = value
+            clauses[clause.kind] = value
         values: dict[str, float] = {}
         points: dict[str, tuple[float, float, TextSpan]] = {}
         stopped = False
-        for kind, value in told.items():
+        for kind, value in clauses.items():
             try:
                 if kind in ("start", "enter"):
                     p = scope.point(value)
@@ -359,18 +359,22 @@ class _Reader:
                     scope.tell("wed-contour", "no block follows: a point cannot be cut", chain.span)
                 good = False
                 continue
-            made, failures = builder.finished(chain)
+            with_corners, failures = builder.finished(chain)
             for why, span in failures:
                 scope.tell_wrong("wed-contour", why, span)
                 good = False
             if failures:
                 continue
-            if made.closed and len(made.blocks) < 3 and not any(b.turn for b in made.blocks):
+            if (
+                with_corners.closed
+                and len(with_corners.blocks) < 3
+                and not any(b.turn for b in with_corners.blocks)
+            ):
                 scope.tell("wed-contour", "this contour runs out and back on one line: it encloses "
                            "nothing", chain.span)  # fmt: skip
                 good = False
                 continue
-            contours.append(builder.contour(made))
+            contours.append(builder.contour(with_corners))
         if good and not contours and heading is not None:
             span = self.source.span(piece.start, piece.end)
             scope.tell("wed-contour", "there is nothing in this contour", span)
@@ -500,7 +504,7 @@ def _place(d: Diagnostic) -> tuple[int, int]:
     return (d.span.line, d.span.column) if isinstance(d.span, TextSpan) else (0, 0)
 
 
-def _given(tree: Node) -> Node | None:
+def _name_node(tree: Node) -> Node | None:
     """Return the name that a statement gives, or None."""
     if tree.kind == "heading":
         return tree.items[0]

@@ -1,7 +1,7 @@
 """What expressions and transforms mean: trees in, numbers, points, figures and transforms out.
 
-A value that could not be had is None: it was reported where it was made, and whatever builds on it
-stays silent, so that one mistake is told once.
+A value that could not be had is None: it was reported where it failed, and whatever builds on it
+stays silent, so that one mistake is reported once.
 """
 
 from __future__ import annotations
@@ -363,8 +363,8 @@ class Scope:
         Raises:
             Stop: it is none, and that was reported.
         """
-        made: Transform = getattr(self, f"_{node.kind}")(node)
-        return made
+        transform: Transform = getattr(self, f"_{node.kind}")(node)
+        return transform
 
     def _reverse(self, node: Node) -> Transform:
         return Reverse()

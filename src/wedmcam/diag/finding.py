@@ -32,6 +32,8 @@ class Severity(enum.IntEnum):
 class Place(NamedTuple):
     """A place in the drawing, mm, as a value of a finding.
 
+    ``{place:xy}`` leaves the unit out, where another place follows that has it.
+
     >>> f"it starts at {Place.of_um(1000.0, -0.1)}"
     'it starts at (1.000, 0.000) mm'
     """
@@ -48,7 +50,7 @@ class Place(NamedTuple):
         return f"({self.x_mm:z.3f}, {self.y_mm:z.3f}) mm"
 
     def __format__(self, spec: str) -> str:
-        return format(str(self), spec)
+        return str(self).removesuffix(" mm") if spec == "xy" else format(str(self), spec)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +68,9 @@ class Diagnostic:
         count: how many things of the drawing or program it is about.
         times: how often this very finding was made.
         rest: it stands for findings of its kind that are not listed (see `capped`).
-        values: name -> number, text or `Place`, or a list of them: what the fields of the
-            templates say. Names of lengths end with their unit (``gap_mm``). ``{count}`` is
-            always there.
+        values: name -> number, text or `Place`, or a list of them, printed with commas: what the
+            fields of the templates say. Names of lengths end with their unit (``gap_mm``).
+            ``{count}`` is always there.
     """
 
     severity: Severity
@@ -96,13 +98,28 @@ class Diagnostic:
         """How to mend it."""
         return None if self.hint_template is None else self._formed(self.hint_template)
 
-    def extended(self, more: str, **values: Any) -> Diagnostic:
-        """Return the finding with a template of more text behind its own, and its values."""
-        return replace(self, template=self.template + more, values={**self.values, **values})
+    def extended(self, more: str = "", *, hint: str = "", **values: Any) -> Diagnostic:
+        """Return the finding with more text behind its own and its hint: templates, and values.
+
+        Names of values are new, or mean the same as in the finding.
+
+        >>> note("join", "{count} gaps closed", count=3).extended("; {few} small", few=2).message
+        '3 gaps closed; 2 small'
+        """
+        return replace(
+            self,
+            template=self.template + more,
+            hint_template=(self.hint_template or "") + hint or None,
+            values={**self.values, **values},
+        )
 
     def _formed(self, template: str) -> str:
+        values = {
+            name: ", ".join(map(str, value)) if type(value) in (list, tuple) else value
+            for name, value in self.values.items()
+        }
         try:
-            return template.format_map({"count": self.count, **self.values})
+            return template.format_map({"count": self.count, **values})
         except (KeyError, IndexError, ValueError):
             return template
 

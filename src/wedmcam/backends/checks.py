@@ -62,7 +62,8 @@ class Checks:
                 code,
                 where,
                 self.span,
-                lambda i: f"block {i + 1}: {message(i)}",
+                "block {block}: {what}",
+                lambda i: {"block": i + 1, "what": message(i)},
                 hint,
             )
         )

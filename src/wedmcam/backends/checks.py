@@ -6,7 +6,6 @@ Findings name the block, and the place in the source or in the file that it was 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,8 +59,7 @@ class Checks:
             return {"block": i + 1, **(values(i) if values else {})}
 
         self.found += (
-            replace(d, template=template, values=of_block(i))
-            for i, d in listed(severity, code, where, self.span, lambda i: "", hint)
+            d for _, d in listed(severity, code, where, self.span, template, of_block, hint)
         )
         if severity is Severity.ERROR:
             self._well[where] = False

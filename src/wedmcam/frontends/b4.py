@@ -6,18 +6,15 @@ repair is that of `frontends.b3`. Then arcs are scaled as the controller does (`
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.zd065 import OUTLINE, compensated
-from wedmcam.diag import Diagnostic, Severity, has_errors
+from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.formats import b4
-from wedmcam.formats.lengths import mm_of
-from wedmcam.formats.listing import listed
+from wedmcam.formats.lengths import mm_of, to_mm
+from wedmcam.formats.listing import Values, listed
 from wedmcam.frontends.b3 import reader as b3
 from wedmcam.frontends.text import TextSpans, plain
 from wedmcam.frontends.zd065.compensation import TORN_UM, directions
@@ -49,19 +46,25 @@ def decode(
         return program, found
     tell = _Teller(program, found)
     arc = blocks["kind"] == Kind.ARC
-    mm = mm_of(machine.axes.step_um)
+    mm = to_mm(machine.axes.step_um)
     radius = np.hypot(blocks["x"], blocks["y"])
     stated, grows = figure["radius"], figure["grows"].astype(np.int64)
     tell(
         Severity.WARNING,
         "radius-contradicts",
         arc & (stated > 0) & (np.abs(radius - stated) > 2 + 0.01 * radius),
-        lambda i: f"R is {mm(int(stated[i]))}, but the arc starts {mm(radius[i])} from its centre",
+        "R is {radius_mm:.3f} mm, but the arc starts {start_mm:.3f} mm from its centre",
+        lambda i: {"radius_mm": mm(stated[i]), "start_mm": mm(radius[i])},
     )
     whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= b4.MOST_GAP_UM else 0
     if whole != gap_um:
-        what = f"a gap of {gap_um:g} um; whole um from 0 to {b4.MOST_GAP_UM} are taken"
-        tell(Severity.ERROR, "gap-value", np.arange(len(blocks)) == 0, lambda i: what)
+        tell(
+            Severity.ERROR,
+            "gap-value",
+            np.arange(len(blocks)) == 0,
+            "a gap of {gap_um:g} um; whole um from 0 to {most_um} are taken",
+            lambda i: {"gap_um": gap_um, "most_um": b4.MOST_GAP_UM},
+        )
     if not whole or tell.failed:
         return program, tell.found
     err = Severity.ERROR
@@ -69,40 +72,40 @@ def decode(
         err,
         "bad-type",
         arc & ((grows == 0) | (stated < 1)),
-        lambda i: "an arc without R, or without D or DD: it cannot be offset",
-        "write B R and D (convex) or DD (concave) before G",
+        "an arc without R, or without D or DD: it cannot be offset",
+        hint="write B R and D (convex) or DD (concave) before G",
     )
     after = stated + grows * (1 if outwards else -1) * whole
     tell(
         err,
         "gap-value",
         arc & (after <= 0),
-        lambda i: (
-            f"the radius {mm(int(stated[i]))} is not larger than the gap {mm(whole)} by which it "
-            "shrinks"
-        ),
+        "the radius {radius_mm:.3f} mm is not larger than the gap {gap_mm:.3f} mm by which it "
+        "shrinks",
+        lambda i: {"radius_mm": mm(stated[i]), "gap_mm": mm(whole)},
     )
     angle, allowed, joint = _joints(blocks, whole, machine.own_stepping)
     tell(
         err,
         "not-tangent",
         joint & (angle > allowed),
-        lambda i: f"it meets the next block at an angle of {np.degrees(angle[i]):.3f} degrees",
-        "round the corner, or write the offset path: --to 3b",
+        "it meets the next block at an angle of {angle_deg:.3f} degrees",
+        lambda i: {"angle_deg": float(np.degrees(angle[i]))},
+        hint="round the corner, or write the offset path: --to 3b",
     )
     if tell.failed:
         return program, tell.found
-    made = blocks.copy()
+    cutting = blocks.copy()
     scaled = compensated(figure, whole, outwards)
     for name in ("x", "y", "count"):
-        made[name][arc] = scaled[name][arc]
+        cutting[name][arc] = scaled[name][arc]
     tell(
         err,
         "zero-count",
-        arc & ((made["count"] < 1) | (made["x"] ** 2 + made["y"] ** 2 < 2)),
-        lambda i: "the gap leaves nothing of this arc",
+        arc & ((cutting["count"] < 1) | (cutting["x"] ** 2 + cutting["y"] ** 2 < 2)),
+        "the gap leaves nothing of this arc",
     )
-    return Program(made, spans=program.spans, words=program.words), tell.found
+    return Program(cutting, spans=program.spans, words=program.words), tell.found
 
 
 class _Teller:
@@ -116,13 +119,14 @@ class _Teller:
         severity: Severity,
         code: str,
         mask: Bools,
-        message: Callable[[int], str],
+        template: str,
+        values: Values | None = None,
         hint: str | None = None,
     ) -> None:
         where = np.flatnonzero(mask)
         spans = self.program.spans
         self.found += (
-            d for _, d in listed(severity, code, where, spans.__getitem__, message, hint)
+            d for _, d in listed(severity, code, where, spans.__getitem__, template, values, hint)
         )
         self.failed |= severity is Severity.ERROR and len(where) > 0
 
@@ -155,8 +159,12 @@ def _of_4b(d: Diagnostic) -> Diagnostic:
     """Return what the 3B reader found, said of a 4B record: one B too many is no 4B there."""
     if d.code != "unsupported-4b":
         return d
-    what = "a record with more than the four B of B X B Y B J B R D|DD G Z"
-    return replace(d, code="bad-record", template=what, hint_template=None)
+    return error(
+        "bad-record",
+        "a record with more than the four B of B X B Y B J B R D|DD G Z",
+        d.span,
+        count=d.count,
+    )
 
 
 def _joints(

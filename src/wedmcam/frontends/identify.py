@@ -19,7 +19,7 @@ from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.style import lines_end, style_of
 from wedmcam.frontends.iso.words import COMMENT, with_numbers
 from wedmcam.frontends.text import plain
-from wedmcam.frontends.zd065.compact import addresses
+from wedmcam.frontends.zd065.memory import addresses
 
 
 @dataclass(frozen=True, slots=True)

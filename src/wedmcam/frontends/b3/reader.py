@@ -9,7 +9,7 @@ could run is an error and is left out of the program.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,12 +17,15 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, warning
 from wedmcam.formats import b3, quadrants
-from wedmcam.formats.lengths import mm_of
-from wedmcam.formats.listing import in_order, listed
+from wedmcam.formats.lengths import to_mm
+from wedmcam.formats.listing import Values, in_order, listed
 from wedmcam.frontends.b3.records import Records, find_records
 from wedmcam.frontends.text import Plain, TextSpans, plain
 from wedmcam.ir.program import BLOCK, Kind, Program
 from wedmcam.machines import Machine
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 _NUMBER = rb"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)"
 _COORDINATES = re.compile(rb" *+" + _NUMBER + rb" *+, *+" + _NUMBER + rb" *+")
@@ -215,129 +218,213 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
     return program, in_order(found)
 
 
-def _blocks(
-    records: Records, read: NDArray[np.bool_], machine: Machine, spans: TextSpans
-) -> tuple[NDArray[np.void], NDArray[np.bool_], list[tuple[int, Diagnostic]]]:
-    """Return a block for each record, which of those to ``read`` are good, findings by record."""
-    mm = mm_of(machine.axes.step_um)
-    turn = np.array([0, 1, -1])[records.code // 4]
-    named = records.code % 4 + 1
-    line = turn == 0
-    xs, ys, count = records.x, records.y, records.count
-    on_y = records.axis == 1
-    # X = Y = 0: J along the count axis, in the direction of the quadrant.
-    whole = line & (xs == 0) & (ys == 0)
-    xs = np.where(whole & ~on_y, count, xs)
-    ys = np.where(whole & on_y, count, ys)
-    x, y = quadrants.signed(xs, ys, named)
-    limits = machine.limits
-    largest = np.where(line, limits.line_um, limits.arc_um)
-    widest = np.maximum(records.x, records.y)
-    found: list[tuple[int, Diagnostic]] = []
-    good = read.copy()
+class _Teller:
+    """Collects findings about records; about one with an error no more."""
 
-    def tell(
+    def __init__(self, read: Bools, spans: TextSpans) -> None:
+        self.good, self.found = read.copy(), list[tuple[int, Diagnostic]]()
+        self._spans = spans
+
+    def __call__(
+        self,
         severity: Severity,
         code: str,
-        mask: NDArray[np.bool_],
-        message: Callable[[int], str],
+        mask: Bools,
+        template: str,
+        values: Values | None = None,
         hint: str | None = None,
     ) -> None:
-        # Each record is told once what is wrong with it, and no more after an error.
-        where = np.flatnonzero(mask & good)
-        found.extend(listed(severity, code, where, spans.__getitem__, message, hint))
+        where = np.flatnonzero(mask & self.good)
+        self.found.extend(
+            listed(severity, code, where, self._spans.__getitem__, template, values, hint)
+        )
         if severity is Severity.ERROR:
-            good[where] = False
+            self.good[where] = False
 
-    def z(i: int) -> str:
-        return b3.INSTRUCTIONS[int(records.code[i])]
 
-    def g(i: int) -> str:
-        return "GY" if on_y[i] else "GX"
+class _Columns:
+    """Records as columns.
 
-    err, warn = Severity.ERROR, Severity.WARNING
+    Attributes:
+        code: index into `formats.b3.INSTRUCTIONS`.
+        turn: +1 counter-clockwise arc, -1 clockwise, 0 a line. line: which are lines.
+        named: quadrant in the instruction.
+        xs, ys: X and Y without sign; of a line with X = Y = 0, J along the count axis.
+        x, y: the same with the signs of the quadrant.
+        count: J. on_y: which are counted on GY.
+    """
+
+    def __init__(self, records: Records) -> None:
+        self.code, self.count = records.code, records.count
+        self.turn = np.array([0, 1, -1])[records.code // 4]
+        self.named = records.code % 4 + 1
+        self.line: Bools = self.turn == 0
+        self.on_y: Bools = records.axis == 1
+        whole = self.line & (records.x == 0) & (records.y == 0)
+        self.xs = np.where(whole & ~self.on_y, records.count, records.x)
+        self.ys = np.where(whole & self.on_y, records.count, records.y)
+        self.x, self.y = quadrants.signed(self.xs, self.ys, self.named)
+
+    def instruction(self, i: int) -> str:
+        """Return the instruction of a record."""
+        return b3.INSTRUCTIONS[int(self.code[i])]
+
+    def counted(self, i: int) -> str:
+        """Return the word of the axis on which a record is counted."""
+        return "GY" if self.on_y[i] else "GX"
+
+
+def _blocks(
+    records: Records, read: Bools, machine: Machine, spans: TextSpans
+) -> tuple[NDArray[np.void], Bools, list[tuple[int, Diagnostic]]]:
+    """Return a block for each record, which of those to ``read`` are good, findings by record."""
+    tell, columns = _Teller(read, spans), _Columns(records)
+    _tell_limits(tell, columns, records, machine)
+    _tell_endless(tell, columns, records, machine)
+    _tell_quadrants(tell, columns)
+    _tell_counts(tell, columns, machine)
+    blocks = np.zeros(len(columns.x), dtype=BLOCK)
+    blocks["kind"] = np.where(columns.line, Kind.LINE, Kind.ARC)
+    blocks["turn"] = columns.turn
+    blocks["axis"] = records.axis
+    blocks["x"], blocks["y"], blocks["count"] = columns.x, columns.y, columns.count
+    blocks["source"] = -1
+    return blocks, tell.good, tell.found
+
+
+def _largest(columns: _Columns, machine: Machine) -> Ints:
+    """Return the largest X or Y that each record may have."""
+    return np.where(columns.line, machine.limits.line_um, machine.limits.arc_um)
+
+
+def _tell_limits(tell: _Teller, columns: _Columns, records: Records, machine: Machine) -> None:
+    """Refuse numbers over the limits of the controller, and J = 0."""
+    limits, mm = machine.limits, to_mm(machine.axes.step_um)
+    count, largest = columns.count, _largest(columns, machine)
+    widest = np.maximum(records.x, records.y)
     tell(
-        err,
+        Severity.ERROR,
         "over-limit",
         count > limits.count_um,
-        lambda i: f"J is {mm(int(count[i]))}, the largest is {mm(limits.count_um)}",
-        "split the block",
+        "J is {count_mm:.3f} mm, the largest is {most_mm:.3f} mm",
+        lambda i: {"count_mm": mm(count[i]), "most_mm": mm(limits.count_um)},
+        hint="split the block",
     )
     tell(
-        err,
+        Severity.ERROR,
         "over-limit",
         widest > largest,
-        lambda i: (
-            f"{'XY'[int(records.y[i] > records.x[i])]} is {mm(int(widest[i]))}, "
-            f"the largest is {mm(int(largest[i]))}"
-        ),
-        "split the block" if limits.line_um == limits.arc_um else None,
+        "{axis} is {length_mm:.3f} mm, the largest is {most_mm:.3f} mm",
+        lambda i: {
+            "axis": "XY"[int(records.y[i] > records.x[i])],
+            "length_mm": mm(widest[i]),
+            "most_mm": mm(largest[i]),
+        },
+        hint="split the block" if limits.line_um == limits.arc_um else None,
     )
-    tell(err, "zero-count", count == 0, lambda i: f"J of this {z(i)} record is 0")
-    radius2 = np.where(widest > largest, 2, xs * xs + ys * ys)
     tell(
-        err,
+        Severity.ERROR,
+        "zero-count",
+        count == 0,
+        "J of this {instruction} record is 0",
+        lambda i: {"instruction": columns.instruction(i)},
+    )
+
+
+def _tell_endless(tell: _Teller, columns: _Columns, records: Records, machine: Machine) -> None:
+    """Refuse records that never end."""
+    xs, ys, line, on_y = columns.xs, columns.ys, columns.line, columns.on_y
+    # Squares of what is over a limit, and refused already, may overflow.
+    over = np.maximum(records.x, records.y) > _largest(columns, machine)
+    radius2 = np.where(over, 2, xs * xs + ys * ys)
+    tell(
+        Severity.ERROR,
         "arc-too-small",
-        ~line & (radius2 < 2),
-        lambda i: (
-            "X = Y = 0: the arc starts on its own centre"
-            if radius2[i] == 0
-            else "the arc starts 0.001 mm from its centre and never ends"
-        ),
+        ~line & (radius2 == 0),
+        "X = Y = 0: the arc starts on its own centre",
     )
     tell(
-        err,
+        Severity.ERROR,
+        "arc-too-small",
+        ~line & (radius2 == 1),
+        "the arc starts 0.001 mm from its centre and never ends",
+    )
+    tell(
+        Severity.ERROR,
         "endless-block",
         line & (np.where(on_y, ys, xs) == 0),
-        lambda i: (
-            f"the line runs along {'X' if on_y[i] else 'Y'} and is counted on {g(i)}: it never ends"
-        ),
+        "the line runs along {axis} and is counted on {counted}: it never ends",
+        lambda i: {"axis": "X" if on_y[i] else "Y", "counted": columns.counted(i)},
     )
-    safe_x, safe_y = np.where(good, x, 1), np.where(good, y, 1)
+
+
+def _tell_quadrants(tell: _Teller, columns: _Columns) -> None:
+    """Say where the instruction names the neighbour of the quadrant that a record enters."""
+    x, y, turn = columns.x, columns.y, columns.turn
+    safe_x, safe_y = np.where(tell.good, x, 1), np.where(tell.good, y, 1)
     right = quadrants.quadrant(safe_x, safe_y, turn)
-    repaired = good & (right != named)
+    repaired = tell.good & (right != columns.named)
 
-    def repair(i: int) -> str:
+    def repair(i: int) -> dict[str, object]:
         code = b3.instruction(turn[i : i + 1], right[i : i + 1])[0]
-        what = "line runs along" if line[i] else "arc starts on"
-        axis = ("+X", "+Y", "-X", "-Y")[2 * int(x[i] + y[i] < 0) + int(x[i] == 0)]
-        return f"{z(i)} read as {b3.INSTRUCTIONS[int(code)]}: the {what} {axis}"
+        return {
+            "instruction": columns.instruction(i),
+            "repaired": b3.INSTRUCTIONS[int(code)],
+            "axis": ("+X", "+Y", "-X", "-Y")[2 * int(x[i] + y[i] < 0) + int(x[i] == 0)],
+        }
 
-    tell(warn, "quadrant-repaired", repaired & line, repair)
-    tell(Severity.NOTE, "quadrant-repaired", repaired & ~line, repair)
-    wanted = machine.own_stepping.line_count(x, y)[0]
     tell(
-        warn,
-        "count-axis",
-        line & (wanted != records.axis) & (xs != ys),
-        lambda i: f"counted on {g(i)}, the shorter axis: the end of the line is inexact",
+        Severity.WARNING,
+        "quadrant-repaired",
+        repaired & columns.line,
+        "{instruction} read as {repaired}: the line runs along {axis}",
+        repair,
     )
     tell(
-        warn,
+        Severity.NOTE,
+        "quadrant-repaired",
+        repaired & ~columns.line,
+        "{instruction} read as {repaired}: the arc starts on {axis}",
+        repair,
+    )
+
+
+def _tell_counts(tell: _Teller, columns: _Columns, machine: Machine) -> None:
+    """Warn of counts that end a line beside its end, or an arc behind a full circle."""
+    line, x, y, count = columns.line, columns.x, columns.y, columns.count
+    mm = to_mm(machine.axes.step_um)
+    other_axis = machine.own_stepping.line_count(x, y)[0] != columns.on_y
+    diagonal = columns.xs == columns.ys
+    tell(
+        Severity.WARNING,
         "count-axis",
-        line & (wanted != records.axis) & (xs == ys),
-        lambda i: (
-            f"a 45 degree {z(i)} counted on {g(i)}: a controller with the "
-            f"{machine.line_table} line table ends it exactly only on {'GX' if on_y[i] else 'GY'}"
-        ),
+        line & other_axis & ~diagonal,
+        "counted on {counted}, the shorter axis: the end of the line is inexact",
+        lambda i: {"counted": columns.counted(i)},
     )
     tell(
-        warn,
+        Severity.WARNING,
+        "count-axis",
+        line & other_axis & diagonal,
+        "a 45 degree {instruction} counted on {counted}: a controller with the {table} line table "
+        "ends it exactly only on {exact}",
+        lambda i: {
+            "instruction": columns.instruction(i),
+            "counted": columns.counted(i),
+            "table": machine.line_table,
+            "exact": "GX" if columns.on_y[i] else "GY",
+        },
+    )
+    tell(
+        Severity.WARNING,
         "more-than-a-turn",
         ~line & (count > b3.largest_turn(x, y)),
-        lambda i: (
-            f"J is {mm(int(count[i]))}; a full circle counts about "
-            f"{mm(round(4 * float(np.hypot(x[i], y[i]))))}"
-        ),
+        "J is {count_mm:.3f} mm; a full circle counts about {turn_mm:.3f} mm",
+        lambda i: {
+            "count_mm": mm(count[i]),
+            "turn_mm": mm(round(4 * float(np.hypot(x[i], y[i])))),
+        },
     )
-
-    blocks = np.zeros(len(x), dtype=BLOCK)
-    blocks["kind"] = np.where(line, Kind.LINE, Kind.ARC)
-    blocks["turn"] = turn
-    blocks["axis"] = records.axis
-    blocks["x"], blocks["y"], blocks["count"] = x, y, count
-    blocks["source"] = -1
-    return blocks, good, found
 
 
 def _merge(
@@ -376,7 +463,7 @@ def _surroundings(
     commented: NDArray[np.bool_],
     records: Records,
 ) -> list[tuple[int, Diagnostic]]:
-    """Return what is to be said about the text around the records, by offset."""
+    """Return findings about the text around the records, by offset."""
     found: list[tuple[int, Diagnostic]] = []
     excerpt = gaps.plain.excerpt
 
@@ -384,7 +471,8 @@ def _surroundings(
         severity: Severity,
         code: str,
         places: list[tuple[int, int]],
-        message: Callable[[int, int], str],
+        template: str,
+        values: Callable[[int, int], Mapping[str, object]] | None = None,
         hint: str | None = None,
     ) -> None:
         for rank, diagnostic in listed(
@@ -392,33 +480,41 @@ def _surroundings(
             code,
             list(range(len(places))),
             lambda i: spans.at(places[i][0], places[i][1] - places[i][0]),
-            lambda i: message(*places[i]),
+            template,
+            lambda i: values(*places[i]) if values is not None else {},
             hint,
         ):
             found.append((places[rank][0], diagnostic))
+
+    def quoted(a: int, b: int) -> dict[str, object]:
+        return {"text": excerpt(a, b)}
 
     err, warn, note = Severity.ERROR, Severity.WARNING, Severity.NOTE
     tell(
         err,
         "bad-record",
         gaps.bad,
-        lambda a, b: (
-            f"'{excerpt(a, b)}' is no 3B record: {_why(gaps.plain.codes[a : min(b, a + _LONG)])}"
-        ),
+        "'{text}' is no 3B record: {reason}",
+        lambda a, b: {
+            "text": excerpt(a, b),
+            "reason": _why(gaps.plain.codes[a : min(b, a + _LONG)]),
+        },
     )
     tell(
         err,
         "unsupported-4b",
         gaps.four,
-        lambda a, b: f"'{excerpt(a, b)}' is a 4B record (its fourth field is the radius)",
-        "read it as 4B (--format 4b, or a name that ends in .4b); convert makes 3B of it",
+        "'{text}' is a 4B record (its fourth field is the radius)",
+        quoted,
+        hint="read it as 4B (--format 4b, or a name that ends in .4b); convert makes 3B of it",
     )
     dropped = np.flatnonzero(commented)
     tell(
         warn,
         "commented-record",
         [(int(records.start[i]), int(records.end[i])) for i in dropped[:1]] * len(dropped),
-        lambda a, b: f"record '{excerpt(a, b)}' stands in a comment and was not read",
+        "record '{text}' stands in a comment and was not read",
+        quoted,
     )
     words = [(a, b) for a, b, kind in gaps.words if kind == Kind.WORD]
     known = machine.words
@@ -426,24 +522,32 @@ def _surroundings(
         warn,
         "unknown-word",
         words,
-        lambda a, b: f"'{excerpt(a, b)}' is no control word of {machine.name}; kept as it is",
-        f"known are {known.pause} (pause), {known.stop} (stop) and {known.end} (end)",
+        "'{text}' is no control word of {machine}; kept as it is",
+        lambda a, b: {
+            "text": excerpt(a, b),
+            "machine": machine.name,
+            "pause": known.pause,
+            "stop": known.stop,
+            "end": known.end,
+        },
+        hint="known are {pause} (pause), {stop} (stop) and {end} (end)",
     )
     tell(
         warn,
         "hidden-control-word",
         gaps.hidden,
-        lambda a, b: f"'{excerpt(a, b)}' stands in a line of other text and was not read",
+        "'{text}' stands in a line of other text and was not read",
+        quoted,
     )
     ours = {line.strip() for line in (*machine.layout.header, *machine.layout.footer)}
     texts = [(a, b) for a, b in gaps.texts if excerpt(a, b, _LONG) not in ours]
-    tell(note, "text-skipped", texts, lambda a, b: f"text around the records: '{excerpt(a, b)}'")
+    tell(note, "text-skipped", texts, "text around the records: '{text}'", quoted)
     if not machine.layout.end_coordinates:
         tell(
             note,
             "text-skipped",
             [(a, a + 1) for a in gaps.coordinates],
-            lambda a, b: "end coordinates behind the records are not used",
+            "end coordinates behind the records are not used",
         )
     return found
 
@@ -461,5 +565,14 @@ def _sequence(
     if not len(late):
         return []
     at = int(offsets[late[0]])
-    text = f"blocks after the stop of the program: {len(late)}"
-    return [(at, warning("after-end", text, spans.at(at), count=len(late)))]
+    return [
+        (
+            at,
+            warning(
+                "after-end",
+                "blocks after the stop of the program: {count}",
+                spans.at(at),
+                count=len(late),
+            ),
+        )
+    ]

@@ -51,7 +51,8 @@ def centres_of(
     chord = np.hypot(dx, dy)
     tell(
         which & (chord / 2 > radius + 1.0),
-        lambda i: f"R is {radius[i] / 1000:.3f} mm, half the chord {chord[i] / 2000:.3f} mm",
+        "R is {radius_mm:.3f} mm, half the chord {half_mm:.3f} mm",
+        lambda i: {"radius_mm": float(radius[i] / 1000), "half_mm": float(chord[i] / 2000)},
     )
     high = np.sqrt(np.maximum(radius**2 - chord**2 / 4, 0.0))
     side = turn * np.where(radius_nm > 0, 1, -1)
@@ -112,10 +113,9 @@ def stepped_arcs(
                 Severity.NOTE,
                 "iso-end",
                 lines[beside],
-                lambda i: (
-                    f"the stepped circle passes {best[i]:.1f} um beside the stated end (at most "
-                    f"{worst:.1f} um in this file); the controller goes the rest straight"
-                ),
+                "the stepped circle passes {beside_um:.1f} um beside the stated end (at most "
+                "{most_um:.1f} um in this file); the controller goes the rest straight",
+                lambda i: {"beside_um": float(best[i]), "most_um": worst},
             )
     ok = end.landed & ~tiny
     made["axis"] = np.where(ok, end.last_axis, int(Axis.X))
@@ -127,7 +127,7 @@ def stepped_arcs(
         Severity.ERROR,
         "iso-arc",
         lines[lost],
-        lambda i: "no controller steps this arc: its radius is too small or over 23 m",
+        "no controller steps this arc: its radius is too small or over 23 m",
     )
     rest_x[lost], rest_y[lost] = 0, 0
     return made, rest_x, rest_y

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.formats.iso import PER_CODE
+from wedmcam.formats.listing import Values
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import fits
 from wedmcam.frontends.iso.reading import Reading, filled
@@ -158,15 +159,20 @@ def ask(r: Reading, arcs: Ints, stated: Bools, centres: Centres) -> None:
         r.questions += dialects.of_centres(first, int(both.sum()), r.words, r.plain)
 
 
-def tell_far(
-    tell: Tell, far: Bools, stated: Bools, message: Callable[[int], str], centres: Centres
-) -> None:
+#: What is wrong with an arc that ends beside its circle.
+_FAR = (
+    "the end lies {off_um:.1f} um from the circle: the start is {start_mm:.3f} mm from the centre, "
+    "the end {end_mm:.3f} mm"
+)
+
+
+def tell_far(tell: Tell, far: Bools, stated: Bools, values: Values, centres: Centres) -> None:
     """Report arcs that end beside their circle, with the rule that they would fit."""
     left = far.copy()
     for name, rule in _ANSWERS.items():
         if not (left & stated).any():
             break
         one = left & stated & (centres.rule != rule) & fits(centres.ends, centres.by[rule])
-        tell(one, message, f"I and J fit as --centres-in {name} reads them")
+        tell(one, _FAR, values, hint="I and J fit as --centres-in {rule} reads them", rule=name)
         left &= ~one
-    tell(left, message, "check I and J: from the start to the centre, signed")
+    tell(left, _FAR, values, hint="check I and J: from the start to the centre, signed")

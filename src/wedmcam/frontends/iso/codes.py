@@ -30,8 +30,13 @@ def take_dwells(r: Reading) -> None:
     many = np.bincount(w.line[places], minlength=r.lines)
     other = places & (~time | (many[w.line] > 1))
     other |= of & (w.letter == ord("G")) & ((w.whole <= 3) | (w.whole == 92))
-    why = "a place or a motion in a line with G04: which of them is the time cannot be told"
-    r.tell_words(Severity.ERROR, "iso-code", other, why, "G04 in a line of its own")
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        other,
+        "{words}: a place or a motion in a line with G04: which of them is the time cannot be told",
+        hint="G04 in a line of its own",
+    )
     r.words = w.without_words(time)
 
 
@@ -55,8 +60,14 @@ def take_tolerances(r: Reading) -> Bools:
     inches = ((w.letter == ord("G")) & ~w.pointed & np.isin(w.whole, (20, 70))).any()
     most = MOST_ROUNDED / (25.4 if inches else 1)
     far = rounds & (w.whole / 10.0**w.decimals > most)
-    why = f"G64 lets the machine round the path so far: above {MOST_ROUNDED} mm it is another one"
-    r.tell_words(Severity.ERROR, "iso-code", far, why, "G61, or a smaller P")
+    r.tell_words(
+        Severity.ERROR,
+        "iso-code",
+        far,
+        "{words}: G64 lets the machine round the path so far: above {most_mm} mm it is another one",
+        hint="G61, or a smaller P",
+        most_mm=MOST_ROUNDED,
+    )
     r.words = w.without_words(rounds)
     stated = np.zeros(r.lines, bool)
     stated[w.line[rounds]] = True
@@ -104,15 +115,16 @@ def moving_frames(r: Reading, work: Bools) -> Bools:
         Severity.ERROR,
         "iso-code",
         machine,
-        "a place of the machine: where the part stands on it is not in the file",
-        "leave the move out; the program starts where the wire is threaded",
+        "{words}: a place of the machine: where the part stands on it is not in the file",
+        hint="leave the move out; the program starts where the wire is threaded",
     )
     r.tell_words(
         Severity.ERROR,
         "iso-code",
         late,
-        "another work offset, or one behind the first place: how far it lies is not in the file",
-        "one program for each work offset, or one offset in front of all places",
+        "{words}: another work offset, or one behind the first place: how far it lies is not in "
+        "the file",
+        hint="one program for each work offset, or one offset in front of all places",
     )
     late |= machine
     return late

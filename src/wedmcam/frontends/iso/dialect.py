@@ -9,13 +9,15 @@ or proves is refused with the question, what only shows goes on and says first w
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity
+from wedmcam.diag import Diagnostic, error, warning
+from wedmcam.diag.lists import Listing
 from wedmcam.frontends.iso.offsets import Entry
 from wedmcam.frontends.iso.words import Words
 from wedmcam.frontends.text import Plain, TextSpans, plain
@@ -33,7 +35,8 @@ INCH_DIGIT_NM = 2540
 QUESTIONS = frozenset(
     {"iso-coordinates", "iso-units", "iso-centres", "iso-semicolon", "subprogram"}
 )
-_NAME_IT = "--profile-in NAME|FILE of the machine it was written for"
+#: What answers a question beside its options.
+_BY_PROFILE = "; or --profile-in NAME|FILE of the machine it was written for"
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,28 +106,41 @@ class Question:
     Attributes:
         code: of the finding.
         at, length: where in the text it first matters.
-        what: what the file says there, and what it may mean.
+        template: what the file says there, and what it may mean; ``{text}`` is what stands there.
+        text: an excerpt.
         assumed: as what it is read where it is only shown.
         hint: the answers.
         count: in how many places it matters.
+        by_profile: a profile that is named answers it too.
+        values: of template and hint.
     """
 
     code: str
     at: int
     length: int
-    what: str
+    template: str
+    text: str
     assumed: str
     hint: str
     count: int = 1
+    by_profile: bool = True
+    values: Mapping[str, object] = field(default_factory=dict)
 
     def finding(self, spans: TextSpans, shown: bool) -> Diagnostic:
         """Return the question as an error, or as a warning that says what was assumed."""
-        severity = Severity.WARNING if shown else Severity.ERROR
-        what = f"assumed: {self.assumed}. {self.what}" if shown else self.what
         span = spans.at(self.at, self.length)
-        return Diagnostic(
-            severity, self.code, what, span, hint_template=self.hint, count=self.count
-        )
+        if shown:
+            start = warning(
+                self.code,
+                "assumed: {assumed}. ",
+                span,
+                count=self.count,
+                assumed=self.assumed,
+            )
+        else:
+            start = error(self.code, "", span, count=self.count)
+        finding = start.extended(self.template, hint=self.hint, text=self.text, **self.values)
+        return finding.extended(hint=_BY_PROFILE) if self.by_profile else finding
 
 
 def of_coordinates(lines: Ints, w: Words, text: Plain, incremental: bool) -> list[Question]:
@@ -138,10 +154,11 @@ def of_coordinates(lines: Ints, w: Words, text: Plain, incremental: bool) -> lis
             "iso-coordinates",
             at,
             max(end - at, 1),
-            f"{text.excerpt(at, end)}: no G90 or G91 stands before it: a place (absolute, G90) "
-            "or a way (incremental, G91)?",
+            "{text}: no G90 or G91 stands before it: a place (absolute, G90) or a way "
+            "(incremental, G91)?",
+            text.excerpt(at, end),
             "incremental (G91)" if incremental else "absolute (G90)",
-            f"--coordinates-in absolute, or --coordinates-in incremental; or {_NAME_IT}",
+            "--coordinates-in absolute, or --coordinates-in incremental",
             len(np.unique(w.line_start[lines])),
         )
     ]
@@ -154,9 +171,9 @@ def of_units(words: Ints, w: Words, text: Plain) -> list[Question]:
         words,
         w,
         text,
-        "a number with a point, and no G20 or G21 stands before it: mm or inch?",
+        "{text}: a number with a point, and no G20 or G21 stands before it: mm or inch?",
         "mm",
-        f"--units-in mm, or --units-in inch; or {_NAME_IT}",
+        "--units-in mm, or --units-in inch",
     )
 
 
@@ -165,61 +182,81 @@ def of_whole(words: Ints, w: Words, text: Plain, inch: Bools, assumed: str) -> l
     if not len(words):
         return []
     first = abs(int(w.whole[words[0]]))
-    read = (
-        f"{first / 10_000:.4f} in or {first} in"
-        if inch[0]
-        else f"{first / 1000:.3f} mm or {first} mm"
-    )
-    digit = (
-        "--whole-in 0.0001in, or --whole-in inch" if inch[0] else "--whole-in um, or --whole-in mm"
-    )
     return _of_words(
         "iso-units",
         words,
         w,
         text,
-        f"a number without a point: {read}?",
+        "{text}: a number without a point: {least:.4f} in or {most} in?"
+        if inch[0]
+        else "{text}: a number without a point: {least:.3f} mm or {most} mm?",
         "its last digit is 0.0001 in" if inch[0] else f"whole numbers are {assumed}",
-        f"{digit}; or {_NAME_IT} (of wedmcam: iso-um, iso-mm), or in verify its --certificate",
+        "--whole-in 0.0001in, or --whole-in inch; or --profile-in NAME|FILE of the machine it was "
+        "written for (of wedmcam: iso-um, iso-mm), or in verify its --certificate"
+        if inch[0]
+        else "--whole-in um, or --whole-in mm; or --profile-in NAME|FILE of the machine it was "
+        "written for (of wedmcam: iso-um, iso-mm), or in verify its --certificate",
+        by_profile=False,
+        least=first / (10_000 if inch[0] else 1000),
+        most=first,
     )
 
 
 def _of_words(
-    code: str, words: Ints, w: Words, text: Plain, what: str, assumed: str, hint: str
+    code: str,
+    words: Ints,
+    w: Words,
+    text: Plain,
+    template: str,
+    assumed: str,
+    hint: str,
+    by_profile: bool = True,
+    **values: object,
 ) -> list[Question]:
     if not len(words):
         return []
     at, end = int(w.start[words[0]]), int(w.end[words[0]])
-    said = f"{text.excerpt(at, end)}: {what}"
-    places = len(np.unique(w.start[words]))
-    return [Question(code, at, max(end - at, 1), said, assumed, hint, places)]
+    places, word = len(np.unique(w.start[words])), text.excerpt(at, end)
+    return [
+        Question(
+            code, at, max(end - at, 1), template, word, assumed, hint, places, by_profile, values
+        )
+    ]
 
 
 def of_table(entries: list[Entry], said: Dialect, text: Plain, stated: bool) -> list[Question]:
     """Return the questions of units of a table of offsets; ``stated``: the file says mm or inch."""
-    asked = []
-    for is_open, of, what, assumed, hint in (
-        (
-            said.is_open(said.units_nm, "points") and not stated,
-            [e for e in entries if e.pointed],
-            "an offset with a point, and no G20 or G21 in the file: mm or inch?",
-            "mm",
-            "--units-in mm, or --units-in inch",
-        ),
-        (
-            said.is_open(said.whole_nm, "integers"),
-            [e for e in entries if e.whole],
-            "an offset without a point: what is its last digit?",
-            "as the whole numbers of the default profile",
-            "--whole-in um, or --whole-in mm",
-        ),
-    ):
-        if is_open and of:
-            at, end = of[0].at, of[0].end
-            what = f"{text.excerpt(at, end)}: {what}"
-            hint = f"{hint}; or {_NAME_IT}"
-            asked.append(Question("iso-units", at, end - at, what, assumed, hint, len(of)))
-    return asked
+    questions = []
+    pointed, whole = [e for e in entries if e.pointed], [e for e in entries if e.whole]
+    if pointed and said.is_open(said.units_nm, "points") and not stated:
+        at, end = pointed[0].at, pointed[0].end
+        questions.append(
+            Question(
+                "iso-units",
+                at,
+                end - at,
+                "{text}: an offset with a point, and no G20 or G21 in the file: mm or inch?",
+                text.excerpt(at, end),
+                "mm",
+                "--units-in mm, or --units-in inch",
+                len(pointed),
+            )
+        )
+    if whole and said.is_open(said.whole_nm, "integers"):
+        at, end = whole[0].at, whole[0].end
+        questions.append(
+            Question(
+                "iso-units",
+                at,
+                end - at,
+                "{text}: an offset without a point: what is its last digit?",
+                text.excerpt(at, end),
+                "as the whole numbers of the default profile",
+                "--whole-in um, or --whole-in mm",
+                len(whole),
+            )
+        )
+    return questions
 
 
 def of_centres(line: int, count: int, w: Words, text: Plain) -> list[Question]:
@@ -230,10 +267,11 @@ def of_centres(line: int, count: int, w: Words, text: Plain) -> list[Question]:
             "iso-centres",
             at,
             max(end - at, 1),
-            f"{text.excerpt(at, end)}: I and J may lead from the start to the centre, or be the "
-            "place of the centre: no arc of this file proves either (full circles do not)",
+            "{text}: I and J may lead from the start to the centre, or be the place of the "
+            "centre: no arc of this file proves either (full circles do not)",
+            text.excerpt(at, end),
             "I and J lead from the start to the centre",
-            f"--centres-in start, absolute or to-start; or {_NAME_IT}",
+            "--centres-in start, absolute or to-start",
             count,
         )
     ]
@@ -276,26 +314,28 @@ def of_semicolons(w: Words, text: Plain, layout: Layout | None) -> list[Question
     own: set[bytes] = set()
     if layout is not None:
         own = {plain(t.encode(layout.encoding)).codes for t in (*layout.header, *layout.footer)}
-    asked = [
+    blocks = [
         (a, b)
         for a, b in w.comments
         if text.codes[a] == ord(";")
         and text.codes[a:b].strip() not in own
         and reads_as_words(text.codes[a:b])
     ]
-    if not asked:
+    if not blocks:
         return []
-    a, b = asked[0]
+    a, b = blocks[0]
     return [
         Question(
             "iso-semicolon",
             a,
             b - a,
-            f"{text.excerpt(a, b)}: text behind a semicolon that reads as words: blocks of their "
-            "own (the semicolon ends a block), or a comment?",
+            "{text}: text behind a semicolon that reads as words: blocks of their own (the "
+            "semicolon ends a block), or a comment?",
+            text.excerpt(a, b),
             "a comment",
             "--semicolon-in block, or --semicolon-in comment",
-            len(asked),
+            len(blocks),
+            by_profile=False,
         )
     ]
 
@@ -305,14 +345,13 @@ _STYLES = {
     "N-label": "M98 P0001 runs from the line N0001 to M99",
     "O-number": "M98 P0001 runs O0001 to M99",
 }
-#: The options that say which lines a call runs.
-STYLES_IN = " or ".join(f"--subprograms-in {name}" for name in _STYLES)
 
 
-def _profiles_of(style: str) -> str:
-    """Return the built-in profiles of a style, in words."""
-    known = [name for name in names() if builtin(name).iso.subprograms == style]
-    return f"; --profile-in {' or '.join(known)}" if known else ""
+def _profiles_of(style: str) -> Listing:
+    """Return the built-in profiles of a style."""
+    return Listing(
+        [name for name in names() if builtin(name).iso.subprograms == style], between=" or "
+    )
 
 
 def of_subprograms(
@@ -326,18 +365,34 @@ def of_subprograms(
         refused: the user says that none is run.
     """
     if refused:
-        what = "calls a subprogram, and --subprograms-in none runs none"
-        hint = "write the blocks of the subprogram in the place of its call, as the machine does"
-        return _of_words("subprogram", words, w, text, what, "", hint)
+        return _of_words(
+            "subprogram",
+            words,
+            w,
+            text,
+            "{text}: calls a subprogram, and --subprograms-in none runs none",
+            "",
+            "write the blocks of the subprogram in the place of its call, as the machine does",
+            by_profile=False,
+        )
     fit = fits[0] if len(fits) == 1 else None
-    what = "calls a subprogram: is P the number of a line (N), or of a program (O)?"
-    if fit is not None:
-        what += f" In this file every call finds its {fit}"
-    answers = ", or ".join(
-        f"--subprograms-in {name} ({how}{_profiles_of(name)})" for name, how in _STYLES.items()
+    return _of_words(
+        "subprogram",
+        words,
+        w,
+        text,
+        "{text}: calls a subprogram: is P the number of a line (N), or of a program (O)?"
+        if fit is None
+        else "{text}: calls a subprogram: is P the number of a line (N), or of a program (O)? In "
+        "this file every call finds its {style}",
+        "" if fit is None else f"{fit}, {_STYLES[fit]}",
+        "--subprograms-in N-label (M98 P0001 runs from the line N0001 to M99; --profile-in "
+        "{of_lines}), or --subprograms-in O-number (M98 P0001 runs O0001 to M99; --profile-in "
+        "{of_programs})",
+        style=fit,
+        of_lines=_profiles_of("N-label"),
+        of_programs=_profiles_of("O-number"),
     )
-    assumed = f"{fit}, {_STYLES[fit]}" if fit is not None else ""
-    return _of_words("subprogram", words, w, text, what, assumed, f"{answers}; or {_NAME_IT}")
 
 
 def of_returns(words: Ints, w: Words, text: Plain) -> list[Question]:
@@ -347,9 +402,10 @@ def of_returns(words: Ints, w: Words, text: Plain) -> list[Question]:
         words,
         w,
         text,
-        "in a program that calls nothing: a subprogram alone, or a program without end",
+        "{text}: in a program that calls nothing: a subprogram alone, or a program without end",
         "the lines are run once",
         "M02 at the end of the program; or this file and the one that calls it as one file",
+        by_profile=False,
     )
 
 
@@ -360,7 +416,8 @@ def of_repeats(words: Ints, w: Words, text: Plain) -> list[Question]:
         words,
         w,
         text,
-        "may call, repeat or end a subprogram (M97 to M99, L, P), and is not run",
+        "{text}: may call, repeat or end a subprogram (M97 to M99, L, P), and is not run",
         "the lines are run as they stand, once",
         "write the blocks of the subprogram in the place of its call, as the machine runs them",
+        by_profile=False,
     )

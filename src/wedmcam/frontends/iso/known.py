@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Severity
+from wedmcam.diag import Severity, note
+from wedmcam.diag.lists import Listing
 from wedmcam.formats.iso import IDLE, PER_CODE
-from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.reading import NAMED, Reading
 from wedmcam.frontends.iso.words import Words
 from wedmcam.machines import Known, Vocabulary, knowing
@@ -61,11 +61,18 @@ def take_known(r: Reading) -> NDArray[np.int8]:
     for one in np.unique(entry[refused]).tolist():
         mask = np.zeros(len(classes), bool)
         mask[rows[entry == one]] = True
-        cure = "take it out where it changes no path"
-        if (calls & mask).any():
-            cure = f"{dialects.STYLES_IN} runs it, where the file has its subprograms"
-        hint = f"the profile {r.machine.name} refuses it; {cure}"
-        r.tell_words(Severity.ERROR, "iso-code", mask, texts[one], hint)
+        r.tell_words(
+            Severity.ERROR,
+            "iso-code",
+            mask,
+            "{words}: {meaning}",
+            hint="the profile {machine} refuses it; --subprograms-in N-label or --subprograms-in "
+            "O-number runs it, where the file has its subprograms"
+            if (calls & mask).any()
+            else "the profile {machine} refuses it; take it out where it changes no path",
+            meaning=texts[one],
+            machine=r.machine.name,
+        )
     _tell_owners(r, harmless)
     gone = harmless
     if calls.any():  # what is found on a path without them is another's
@@ -97,8 +104,8 @@ def _tell_owners(r: Reading, harmless: Bools) -> None:
         Severity.ERROR,
         "iso-code",
         places,
-        "a place in a line with a code that is left out: whose it is cannot be told",
-        "say the motion on this line, or give the code a line of its own",
+        "{words}: a place in a line with a code that is left out: whose it is cannot be told",
+        hint="say the motion on this line, or give the code a line of its own",
     )
 
 
@@ -112,14 +119,19 @@ def _tell_harmless(
     w = r.words
     found, first = np.unique(entry[mine], return_index=True)
     every = r.once(rows[mine])
-    said = [
+    meanings = [
         f"{r.named(rows[entry == one])}: {texts[one]}" for one in found[np.argsort(first)].tolist()
     ]
     at, end = int(w.start[every[0]]), int(w.end[every[0]])
-    what = f"{'; '.join(said)} (left out, as the profile {r.machine.name} says)"
-    place = r.spans.at(at, end - at)
-    one_note = Diagnostic(Severity.NOTE, "iso-harmless", what, place, count=len(every))
-    r.found.append((at, one_note))
+    finding = note(
+        "iso-harmless",
+        "{meanings} (left out, as the profile {machine} says)",
+        r.spans.at(at, end - at),
+        count=len(every),
+        meanings=Listing(meanings, between="; "),
+        machine=r.machine.name,
+    )
+    r.found.append((at, finding))
 
 
 def unlisted(r: Reading, classes: NDArray[np.int8], codes: Bools) -> Bools:
@@ -128,14 +140,34 @@ def unlisted(r: Reading, classes: NDArray[np.int8], codes: Bools) -> Bools:
     return codes & (classes == Known.NOT) if vocabulary_of(r).lists_codes else none
 
 
-def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
-    """Return a hint that names the built-in profiles whose tables name some words.
+#: Hint for words that built-in profiles know.
+_KNOWN_BY = (
+    "profiles that know the word: {profiles}; --profile-in NAME takes it as that machine does"
+)
 
-    ``otherwise``: the hint where none does.
-    """
+
+def tell_unknown(
+    r: Reading,
+    severity: Severity,
+    code: str,
+    mask: Bools,
+    template: str,
+    hint: str,
+    **values: object,
+) -> None:
+    """Report words with the built-in profiles that know them; ``hint`` is for where none does."""
+    profiles = profiles_that_know(r, mask)
+    if profiles:
+        r.tell_words(severity, code, mask, template, _KNOWN_BY, profiles=profiles, **values)
+    else:
+        r.tell_words(severity, code, mask, template, hint, **values)
+
+
+def profiles_that_know(r: Reading, mask: Bools) -> Listing:
+    """Return the built-in profiles whose tables name some words, each with those that it names."""
     w, rows = r.words, np.flatnonzero(mask)
     if not len(rows):
-        return otherwise
+        return Listing([])
     tenths = tenths_of(w, rows)
     # Number and letter as one, as `Reading.named` has it.
     key = tenths * 128 + w.letter[rows]
@@ -147,8 +179,5 @@ def who_knows(r: Reading, mask: Bools, otherwise: str) -> str:
         for name in knowing(chr(w.letter[row]), int(tenths[i])):
             if not (r.dialect.named and name == r.machine.name):
                 of.setdefault(name, []).append(word)
-    if not of:
-        return otherwise
     ranked = sorted(of, key=lambda name: (-len(of[name]), name))
-    known = "; ".join(f"{name} ({', '.join(of[name])})" for name in ranked)
-    return f"profiles that know the word: {known}; --profile-in NAME takes it as that machine does"
+    return Listing([f"{name} ({', '.join(of[name])})" for name in ranked], between="; ")

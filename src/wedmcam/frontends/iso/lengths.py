@@ -56,7 +56,8 @@ def lengths_of(
             Severity.ERROR,
             "over-limit",
             np.flatnonzero(large),
-            lambda i, name=name: f"{name} is larger than a kilometre",  # type: ignore[misc]
+            "{letter} is larger than a kilometre",
+            letter=name,
         )
         safe = np.where(large, 0, value)
         # Exact in integers: 12 digits of inch do not fit, so whole and fraction apart.
@@ -81,18 +82,18 @@ def lengths_of(
             Severity.ERROR,
             "iso-units",
             np.flatnonzero(mixed),
-            lambda i, system=system: (  # type: ignore[misc]
-                f"a whole number in {system}: the file does not say what its last digit is"
-            ),
-            f"write {system} with a point, or give --whole-in {answer}",
+            "a whole number in {system}: the file does not say what its last digit is",
+            hint="write {system} with a point, or give --whole-in {answer}",
+            system=system,
+            answer=answer,
         )
     if some_pointed and bare.any() and um and not how.words:
         r.tell_lines(
             Severity.WARNING,
             "iso-units",
             np.flatnonzero(bare & ~in_inch),
-            lambda i: "whole numbers are read as um here, and others in this file have a point: mm",
-            'if they are mm, give --whole-in mm, or a profile of integers = "mm" (iso-mm)',
+            "whole numbers are read as um here, and others in this file have a point: mm",
+            hint='if they are mm, give --whole-in mm, or a profile of integers = "mm" (iso-mm)',
         )
     return out
 

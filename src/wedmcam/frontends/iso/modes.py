@@ -22,6 +22,8 @@ from wedmcam.machines import builtin, names
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 LEFT, OFF = 41, 40
+#: Hint for a motion in compensation that cannot be one.
+_LEADS = "lead in and out on straight lines, G01"
 
 #: D number -> the offset entered for it, um, >= 0; None for one that was not given.
 Table = Callable[[int], float | None]
@@ -90,9 +92,8 @@ def runs_of(r: Reading, rows: Ints, motion: Ints, still: Bools, modes: Modes) ->
     before[1:] = on[:-1]
     leads_in, leads_out = on & ~before, ~on & before
 
-    def tell(mask: Bools, what: str, hint: str) -> None:
-        where = rows[mask]
-        r.tell_lines(Severity.ERROR, "compensation-place", where, lambda i: what, hint)
+    def tell(mask: Bools, template: str, hint: str) -> None:
+        r.tell_lines(Severity.ERROR, "compensation-place", rows[mask], template, hint=hint)
 
     change = np.zeros(len(rows), bool)
     change[1:] = on[1:] & before[1:] & (code[1:] != code[:-1])
@@ -104,10 +105,9 @@ def runs_of(r: Reading, rows: Ints, motion: Ints, still: Bools, modes: Modes) ->
     again[1:] = on[1:] & before[1:] & (said[1:] != said[:-1])
     tell(again, "no motion stands between G40 and this line", "lead out on a straight line, G01")
     _tell_changes(r, rows, other, leads_in, motion, modes, d, offset)
-    cure = "lead in and out on straight lines, G01"
-    tell(leads_in & (motion >= 2), "compensation is switched on in an arc", cure)
-    tell(leads_out & (motion >= 2), "compensation is switched off in an arc", cure)
-    tell(on & (motion == 0), "G00 while compensation is on", cure)
+    tell(leads_in & (motion >= 2), "compensation is switched on in an arc", _LEADS)
+    tell(leads_out & (motion >= 2), "compensation is switched off in an arc", _LEADS)
+    tell(on & (motion == 0), "G00 while compensation is on", _LEADS)
     alone = leads_in.copy()
     alone[:-1] &= ~on[1:]
     tell(
@@ -155,8 +155,9 @@ def _tell_numbers(r: Reading, rows: Ints, on: Bools, d: Ints, modes: Modes) -> N
         Severity.ERROR,
         "iso-d",
         none,
-        lambda i: f"G41 or G42 without a {modes.letter}: the file does not say by how much",
-        f"{modes.letter} with the number of the offset, such as G41 {modes.letter}1",
+        "G41 or G42 without a {letter}: the file does not say by how much",
+        hint="{letter} with the number of the offset, such as G41 {letter}1",
+        letter=modes.letter,
     )
     where = np.flatnonzero(on & first & (d >= 0))
     where = where[[modes.table(n) is None for n in d[where].tolist()]]
@@ -164,8 +165,11 @@ def _tell_numbers(r: Reading, rows: Ints, on: Bools, d: Ints, modes: Modes) -> N
         Severity.ERROR,
         "iso-d",
         rows[where],
-        lambda i: f"no offset was given for {modes.letter}{d[where[i]]}",
-        f"give what is entered at the controller, such as {answers(np.unique(d[where]).tolist())}",
+        "no offset was given for {letter}{number}",
+        lambda i: {"number": int(d[where[i]])},
+        hint="give what is entered at the controller, such as {answers}",
+        letter=modes.letter,
+        answers=answers(np.unique(d[where]).tolist()),
     )
 
 
@@ -191,31 +195,42 @@ def _tell_changes(
     askew = leads_in.copy()
     askew[0] = False
     askew[1:] &= (code[:-1] == code[1:]) & (d[:-1] != d[1:]) & (d[:-1] >= 0)
-    wrong = other & (motion >= 2)
-    hint = f"the other {n} in front of a straight line, or behind G40"
-    what = f"another {n} in an arc while compensation is on"
     if modes.skewed:
-        askew |= other & ~wrong & (offset > 0)
-    else:
-        wrong = other
-        what = f"another {n} while compensation is on: the file does not say what is made of it"
-        known = [name for name in names() if builtin(name).iso.offset_change == "skewed"]
-        hint = (
-            f"G40 before the other {n}; or, where the controller runs from the one offset to the "
-            'other, offset_change = "skewed" in its profile'
+        arc = other & (motion >= 2)
+        askew |= other & ~arc & (offset > 0)
+        r.tell_lines(
+            Severity.ERROR,
+            "compensation-place",
+            rows[arc],
+            "another {letter} in an arc while compensation is on",
+            hint="the other {letter} in front of a straight line, or behind G40",
+            letter=n,
         )
-        hint += f" ({', '.join(known)})" if known else ""
-    where = rows[wrong]
-    r.tell_lines(Severity.ERROR, "compensation-place", where, lambda i: what, hint)
+    else:
+        known = [name for name in names() if builtin(name).iso.offset_change == "skewed"]
+        r.tell_lines(
+            Severity.ERROR,
+            "compensation-place",
+            rows[other],
+            "another {letter} while compensation is on: the file does not say what is made of it",
+            hint="G40 before the other {letter}; or, where the controller runs from the one offset "
+            'to the other, offset_change = "skewed" in its profile ({profiles})',
+            letter=n,
+            profiles=known,
+        )
     skew = np.flatnonzero(askew)
     r.tell_lines(
         Severity.WARNING,
         "iso-offsets",
         rows[skew],
-        lambda i: (
-            f"{n}{d[skew[i]]} = {offset[skew[i]] * modes.mm:.4f} mm after "
-            f"{n}{d[skew[i] - 1]} = {offset[skew[i] - 1] * modes.mm:.4f} mm: along this block the "
-            "wire runs askew, from the one offset to the other"
-        ),
-        "G40 before the other number keeps the wire parallel",
+        "{letter}{number} = {offset_mm:.4f} mm after {letter}{before} = {before_mm:.4f} mm: along "
+        "this block the wire runs askew, from the one offset to the other",
+        lambda i: {
+            "number": int(d[skew[i]]),
+            "offset_mm": float(offset[skew[i]] * modes.mm),
+            "before": int(d[skew[i] - 1]),
+            "before_mm": float(offset[skew[i] - 1] * modes.mm),
+        },
+        letter=n,
+        hint="G40 before the other number keeps the wire parallel",
     )

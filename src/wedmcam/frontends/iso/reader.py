@@ -12,7 +12,6 @@ reads programs that need no table. What a file does not say itself, and who says
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note
 from wedmcam.formats import b3, iso
 from wedmcam.formats.iso import PER_CODE
+from wedmcam.formats.listing import Values
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import centres_of, grid, nearest, stepped_arcs
 from wedmcam.frontends.iso.centres import (
@@ -40,7 +40,7 @@ from wedmcam.frontends.iso.codes import (
     take_tolerances,
 )
 from wedmcam.frontends.iso.dialect import UNSAID, Dialect
-from wedmcam.frontends.iso.known import take_known, unlisted, vocabulary_of, who_knows
+from wedmcam.frontends.iso.known import take_known, tell_unknown, unlisted, vocabulary_of
 from wedmcam.frontends.iso.lengths import distance_of, lengths_of
 from wedmcam.frontends.iso.modes import OFF, Modes, Runs, Table, runs_of
 from wedmcam.frontends.iso.reading import Reading, column, filled
@@ -154,7 +154,7 @@ def read(
     g, m = w.letter == ord("G"), w.letter == ord("M")
     whole = w.good & ~w.pointed & (w.whole >= 0)
     err = Severity.ERROR
-    r.tell_words(err, "iso-word", ~w.good, "no number that can be read behind the letter")
+    r.tell_words(err, "iso-word", ~w.good, "{words}: no number that can be read behind the letter")
     # Codes with a point: G90.1 and G91.1, and some that change nothing.
     rule = g & w.good & w.pointed & np.isin(w.whole, list(CODES)) & (w.decimals == 1)
     dotted = dotted_codes(r)
@@ -163,14 +163,16 @@ def read(
         err,
         "iso-word",
         w.good & (g | m) & ~whole & ~rule & ~dotted & ~refused & ~foreign,
-        "a code is a whole number",
+        "{words}: a code is a whole number",
     )
-    r.tell_words(
+    tell_unknown(
+        r,
         err,
         "iso-code",
         foreign,
-        f"a code that the profile {r.machine.name} does not name",
-        who_knows(r, foreign, "name another profile, or take it out where it changes no path"),
+        "{words}: a code that the profile {machine} does not name",
+        hint="name another profile, or take it out where it changes no path",
+        machine=r.machine.name,
     )
     runs = whole & ~refused & ~foreign
     g, m = g & runs, m & runs
@@ -187,7 +189,7 @@ def read(
         again = has[lines]
         again[1:] |= lines[1:] == lines[:-1]
         twice[np.flatnonzero(mask)[again]] = True
-        r.tell_words(err, "iso-word", twice, "a second code of the same kind in one line")
+        r.tell_words(err, "iso-word", twice, "{words}: a second code of the same kind in one line")
         value[lines], has[lines] = values[mask], True
 
     code = w.whole
@@ -207,22 +209,28 @@ def read(
     work_idle = work & ~moving_frames(r, work)
     places = rule & (code == 901)
     quiet = (idle | dotted | rule | work_idle) & ~places & ~rounds
-    why = "I and J are the place of the centre from here on"
-    r.tell_words(Severity.NOTE, "iso-ignored", places, why)
-    r.tell_words(Severity.NOTE, "iso-ignored", quiet, "nothing of the path changes by it")
-    why = "the machine may round corners; the path is read as if it did not"
-    r.tell_words(Severity.WARNING, "iso-ignored", rounds, why, "G61, or G64 with a small P")
-    unknown = g & ~known & ~idle
     r.tell_words(
+        Severity.NOTE,
+        "iso-ignored",
+        places,
+        "{words}: I and J are the place of the centre from here on",
+    )
+    r.tell_words(Severity.NOTE, "iso-ignored", quiet, "{words}: nothing of the path changes by it")
+    r.tell_words(
+        Severity.WARNING,
+        "iso-ignored",
+        rounds,
+        "{words}: the machine may round corners; the path is read as if it did not",
+        hint="G61, or G64 with a small P",
+    )
+    tell_unknown(
+        r,
         err,
         "iso-code",
-        unknown,
-        "a code that is not known here and may change the path",
-        who_knows(
-            r,
-            unknown,
-            f"known are {iso.KNOWN}",
-        ),
+        g & ~known & ~idle,
+        "{words}: a code that is not known here and may change the path",
+        hint="known are {known}",
+        known=iso.KNOWN,
     )
     axes = {k: column(r, k) for k in "XYIJR"}
     offsets = comp & (code != 40)
@@ -233,10 +241,12 @@ def read(
     condition = other & condition_words(w)
     third = other & np.isin(w.letter, np.frombuffer(b"ZUVABCKW", np.uint8)) & (w.whole != 0)
     third &= ~condition
-    r.tell_words(err, "iso-code", third, "an axis or a taper; programs here are flat")
+    r.tell_words(err, "iso-code", third, "{words}: an axis or a taper; programs here are flat")
     calls = other & ((w.letter == ord("L")) | (w.letter == ord("P")))
     feed = other & (w.letter == ord("F")) & bool(r.machine.iso.feed_um)
-    r.tell_words(Severity.NOTE, "iso-ignored", feed, "the cutting speed: it changes no path")
+    r.tell_words(
+        Severity.NOTE, "iso-ignored", feed, "{words}: the cutting speed: it changes no path"
+    )
     _tell_others(r, other & ~third & ~calls & ~feed & (classes != Known.PATH))
     distance = filled(*modal["distance"], UNSAID)
     motion = filled(*modal["motion"], -1)
@@ -259,16 +269,31 @@ def _end_motion(lines: Ints, motion: Ints, has: Bools) -> None:
     motion[alone], has[alone] = NO_MOTION, True
 
 
+#: Hint for words that are left out.
+_AT_MACHINE = "feed, generator and offset tables are set at the machine"
+
+
 def _tell_others(r: Reading, mask: Bools) -> None:
     """Report words that are left out, and that no profile which was named knows."""
-    named = bool(vocabulary_of(r))
-    hint = "feed, generator and offset tables are set at the machine"
-    if named:
-        why = f"no word of the profile {r.machine.name}; left out: nothing is known of it"
-        r.tell_words(Severity.WARNING, "unknown-word", mask, why, who_knows(r, mask, hint))
-        return
-    why = "not read: it changes no path"
-    r.tell_words(Severity.WARNING, "iso-ignored", mask, why, who_knows(r, mask, hint))
+    if vocabulary_of(r):
+        tell_unknown(
+            r,
+            Severity.WARNING,
+            "unknown-word",
+            mask,
+            "{words}: no word of the profile {machine}; left out: nothing is known of it",
+            hint=_AT_MACHINE,
+            machine=r.machine.name,
+        )
+    else:
+        tell_unknown(
+            r,
+            Severity.WARNING,
+            "iso-ignored",
+            mask,
+            "{words}: not read: it changes no path",
+            hint=_AT_MACHINE,
+        )
 
 
 def _start(axes: dict[str, tuple[Ints, Bools, Bools, Ints]], motion: Ints, reset: Bools) -> Bools:
@@ -289,25 +314,34 @@ def _tell_text(r: Reading) -> None:
         r.questions += dialects.of_semicolons(w, r.plain, own)
     for a, b in w.comments:
         if r.plain.codes[a] == ord("(") and r.plain.codes[b - 1] != ord(")"):
-            what = (
-                f"{r.plain.excerpt(a, b)}: the bracket is not closed: where the text ends differs"
+            finding = error(
+                "iso-word",
+                "{text}: the bracket is not closed: where the text ends differs",
+                r.spans.at(a, b - a),
+                hint="close it on this line: some controllers read on to the next bracket",
+                text=r.plain.excerpt(a, b),
             )
-            hint = "close it on this line: some controllers read on to the next bracket"
-            r.found.append((a, error("iso-word", what, r.spans.at(a, b - a), hint=hint)))
+            r.found.append((a, finding))
     texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
     for a, b in texts[:1]:
-        many = f" ({len(texts)} comments)" if len(texts) > 1 else ""
-        what = f"comment: {r.plain.excerpt(a, b)}{many}"
-        r.found.append((a, note("text-skipped", what, r.spans.at(a, b - a), count=len(texts))))
+        finding = note(
+            "text-skipped",
+            "comment: {text} ({count} comments)" if len(texts) > 1 else "comment: {text}",
+            r.spans.at(a, b - a),
+            count=len(texts),
+            text=r.plain.excerpt(a, b),
+        )
+        r.found.append((a, finding))
     r.tell_lines(
         Severity.ERROR,
         "iso-word",
         r.titles,
-        lambda i: (
-            f"line {r.spans.at(int(w.line_start[r.titles[i]])).line} is text, no ISO words: "
-            f"{r.plain.excerpt(int(w.line_start[r.titles[i]]), int(w.line_end[r.titles[i]]))}"
-        ),
-        "put text into brackets: (TITLE); or remove the line",
+        "line {line} is text, no ISO words: {text}",
+        lambda i: {
+            "line": r.spans.at(int(w.line_start[r.titles[i]])).line,
+            "text": r.plain.excerpt(int(w.line_start[r.titles[i]]), int(w.line_end[r.titles[i]])),
+        },
+        hint="put text into brackets: (TITLE); or remove the line",
     )
     if len(w.stray):
         lines = np.unique(w.lines_at(w.stray))
@@ -318,18 +352,16 @@ def _tell_text(r: Reading) -> None:
             Severity.ERROR,
             "iso-word",
             lines,
-            lambda i: (
-                f"{r.plain.excerpt(first[int(lines[i])], int(w.line_end[lines[i]]))}: "
-                "no letter in front of it"
-            ),
+            "{text}: no letter in front of it",
+            lambda i: {"text": r.plain.excerpt(first[int(lines[i])], int(w.line_end[lines[i]]))},
         )
     if len(w.skipped):
         r.tell_lines(
             Severity.WARNING,
             "iso-skip",
             w.skipped,
-            lambda i: "an optional block (/): read as if block skip were off",
-            "remove the slash, or the block",
+            "an optional block (/): read as if block skip were off",
+            hint="remove the slash, or the block",
         )
 
 
@@ -363,8 +395,8 @@ def _program(
             Severity.ERROR,
             "compensation-place",
             np.flatnonzero(reset & (modes.code != OFF) & (np.arange(r.lines) <= stop_line)),
-            lambda i: "G92 while compensation is on: of the outline or of the wire, differs",
-            "G40 in front of G92",
+            "G92 while compensation is on: of the outline or of the wire, differs",
+            hint="G40 in front of G92",
         )
         still = np.ones(len(rows), bool)
         for k in "XY":
@@ -400,8 +432,8 @@ def _program(
     size = np.maximum(w.line_end[line] - w.line_start[line], 1).astype(np.int32)
     spans = TextSpans(r.file, r.plain.codes, w.line_start[line], size)
     if not len(rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
-        what = "no ISO record with a motion in this file"
-        r.found.append((0, error("no-blocks", what, FileSpan(r.file))))
+        finding = error("no-blocks", "no ISO record with a motion in this file", FileSpan(r.file))
+        r.found.append((0, finding))
     return Programmed(Program(every, spans=spans, words=words), mark, motions), r.findings()
 
 
@@ -411,20 +443,20 @@ def _tell_motions(r: Reading, moves: Bools, motion: Ints, centred: Bools) -> Non
         Severity.ERROR,
         "iso-code",
         np.flatnonzero(moves & (motion == UNSAID)),
-        lambda i: "coordinates before any G00, G01, G02 or G03",
+        "coordinates before any G00, G01, G02 or G03",
     )
     r.tell_lines(
         Severity.ERROR,
         "iso-code",
         np.flatnonzero(moves & (motion == NO_MOTION)),
-        lambda i: "coordinates behind G80, and no G00, G01, G02 or G03 before them",
-        "G80 ends the motion at some controllers: say the motion on this line",
+        "coordinates behind G80, and no G00, G01, G02 or G03 before them",
+        hint="G80 ends the motion at some controllers: say the motion on this line",
     )
     r.tell_lines(
         Severity.ERROR,
         "iso-arc",
         np.flatnonzero(centred),
-        lambda i: "a centre or a radius without G02 or G03",
+        "a centre or a radius without G02 or G03",
     )
 
 
@@ -457,29 +489,37 @@ def _kinds(r: Reading, m_rows: Ints, ends: tuple[int, ...], stop_line: int) -> I
     kinds[np.isin(codes, ends)] = Kind.STOP
     optional = np.zeros(len(w.letter), bool)
     optional[m_rows[(codes == 1) & (w.line[m_rows] <= stop_line)]] = True
-    why = "an optional stop: read as if it were on, as a pause"
-    r.tell_words(Severity.NOTE, "iso-skip", optional, why, "leave it out where it is off")
+    r.tell_words(
+        Severity.NOTE,
+        "iso-skip",
+        optional,
+        "{words}: an optional stop: read as if it were on, as a pause",
+        hint="leave it out where it is off",
+    )
     plain_word = (kinds == Kind.WORD) & ~np.isin(codes, iso.SUBPROGRAMS)
     plain_word &= w.line[m_rows] <= stop_line
     turns = np.zeros(len(w.letter), bool)
     turns[m_rows[plain_word & np.isin(codes, iso.TURNS)]] = True
-    r.tell_words(
+    tell_unknown(
+        r,
         Severity.ERROR,
         "iso-code",
         turns,
-        "turns the part or changes modes at some machines",
-        who_knows(r, turns, "no profile knows what it does; take it out where it changes no path"),
+        "{words}: turns the part or changes modes at some machines",
+        hint="no profile knows what it does; take it out where it changes no path",
     )
     unknown[m_rows[plain_word]] = True
     unknown &= ~turns
-    r.tell_words(
+    tell_unknown(
+        r,
         Severity.WARNING,
         "unknown-word",
         unknown,
-        f"no M word of the profile {r.machine.name}; kept as a control record"
+        "{words}: no M word of the profile {machine}; kept as a control record"
         if vocabulary_of(r)
-        else "an M word that is not known here; kept as a control record",
-        who_knows(r, unknown, "a profile of your own can say what it does: [iso.words]"),
+        else "{words}: an M word that is not known here; kept as a control record",
+        hint="a profile of your own can say what it does: [iso.words]",
+        machine=r.machine.name,
     )
     return kinds
 
@@ -492,8 +532,8 @@ def _tell_start(r: Reading, first: Ints, lines: Lines, distance: Ints) -> None:
         Severity.NOTE,
         "iso-start",
         cuts[~np.cumsum(lines.reset)[cuts].astype(bool)],
-        lambda i: "no G92, and no G00 to X and Y, stands before this: taken to start at X0 Y0",
-        "G92 with the place where the wire stands, in front of the first cut",
+        "no G92, and no G00 to X and Y, stands before this: taken to start at X0 Y0",
+        hint="G92 with the place where the wire stands, in front of the first cut",
     )
 
 
@@ -526,30 +566,40 @@ def _blocks(
     neither = ~by_radius & ~(has["I"] | has["J"])[arcs]
     err = Severity.ERROR
 
-    def tell(mask: Bools, message: Callable[[int], str], hint: str | None = None) -> None:
+    def tell(
+        mask: Bools,
+        template: str,
+        values: Values | None = None,
+        hint: str | None = None,
+        **common: object,
+    ) -> None:
         where = np.flatnonzero(mask & ~r.bad[arcs])
-        r.tell_lines(err, "iso-arc", arcs[where], lambda i: message(int(where[i])), hint)
+        r.tell_lines(
+            err,
+            "iso-arc",
+            arcs[where],
+            template,
+            (lambda i: values(int(where[i]))) if values is not None else None,
+            hint,
+            **common,
+        )
 
-    tell(both, lambda i: "both a centre (I, J) and a radius R")
-    tell(neither, lambda i: "an arc without a centre (I, J) or a radius R")
+    tell(both, "both a centre (I, J) and a radius R")
+    tell(neither, "an arc without a centre (I, J) or a radius R")
     alone = (has["I"] ^ has["J"])[arcs] & centres.by_place & (centres.shift > 0) & ~both
-    tell(alone, lambda i: "I or J alone: the place of a centre is both")
-    tell(
-        by_radius & same_nm, lambda i: "R with an end that is the start: the centre may be anywhere"
-    )
+    tell(alone, "I or J alone: the place of a centre is both")
+    tell(by_radius & same_nm, "R with an end that is the start: the centre may be anywhere")
     of_radius = by_radius & ~same_nm
     found = centres_of(tell, of_radius, sx, sy, ex, ey, turn, nm["R"][arcs])
     cx, cy = (np.where(of_radius, nearest(f), c) for f, c in zip(found, (cx, cy), strict=True))
     exact = [np.where(of_radius, f, c) for f, c in zip(found, exact, strict=True)]
     x, y, fx, fy = sx - cx, sy - cy, ex - cx, ey - cy
     radius, reach = np.hypot(x, y), np.hypot(fx, fy)
+    small = ~both & ~neither  # as in 3B: no step leads round
+    tell(small & (radius == 0), "the centre is the start: the arc has no radius")
     tell(
-        (x * x + y * y < 2) & ~both & ~neither,  # as in 3B: no step leads round
-        lambda i: (
-            "the centre is the start: the arc has no radius"
-            if radius[i] == 0
-            else "the arc starts 0.001 mm from its centre and never ends"
-        ),
+        small & (x * x + y * y == 1),
+        "the arc starts 0.001 mm from its centre and never ends",
     )
     off = np.abs(reach - radius)
     stated = ~by_radius & ~neither
@@ -558,10 +608,11 @@ def _blocks(
         tell,
         off > iso.END_UM,
         stated,
-        lambda i: (
-            f"the end lies {off[i]:.1f} um from the circle: the start is {radius[i] / 1000:.3f} mm "
-            f"from the centre, the end {reach[i] / 1000:.3f} mm"
-        ),
+        lambda i: {
+            "off_um": float(off[i]),
+            "start_mm": float(radius[i] / 1000),
+            "end_mm": float(reach[i] / 1000),
+        },
         centres,
     )
     motions = np.zeros(0, PROGRAMMED)
@@ -599,9 +650,7 @@ def _blocks(
     key = np.concatenate([2 * lines, 2 * arcs, 2 * arcs + 1, 2 * ran])
     still = every["count"] == 0
     nothing = np.flatnonzero(still[: len(lines)])
-    r.tell_lines(
-        Severity.NOTE, "iso-ignored", lines[nothing], lambda i: "a motion of length 0: no block"
-    )
+    r.tell_lines(Severity.NOTE, "iso-ignored", lines[nothing], "a motion of length 0: no block")
     order = np.argsort(key, kind="stable")
     order = order[~still[order]]
     return every[order], key[order] // 2, motions

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic, Severity
-from wedmcam.formats.listing import in_order, listed
+from wedmcam.diag.lists import Listing
+from wedmcam.formats.listing import Values, in_order, listed
 from wedmcam.frontends.iso.dialect import Dialect, Question, completed
 from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.words import Words, with_numbers, words_of
@@ -73,11 +73,18 @@ class Reading:
         return line if self.order is None else int(self._first_run[line])
 
     def tell_words(
-        self, severity: Severity, code: str, mask: Bools, why: str, hint: str | None = None
+        self,
+        severity: Severity,
+        code: str,
+        mask: Bools,
+        template: str,
+        hint: str | None = None,
+        **values: object,
     ) -> None:
         """Report words, warnings with every different word and how often it stands there.
 
-        The lines of errors are not read.
+        ``{words}`` of the template is the word of an error, and the words of a warning. The lines
+        of errors are not read.
         """
         w = self.words
         where = np.flatnonzero(mask)
@@ -87,19 +94,27 @@ class Reading:
         if severity is not Severity.ERROR:
             if len(where):
                 at, end = int(w.start[where[0]]), int(w.end[where[0]])
-                what = f"{self.named(where)}: {why}"
-                place = self.spans.at(at, end - at)
-                count = len(where)
-                self.found.append(
-                    (at, Diagnostic(severity, code, what, place, hint_template=hint, count=count))
+                finding = Diagnostic(
+                    severity,
+                    code,
+                    template,
+                    self.spans.at(at, end - at),
+                    hint_template=hint,
+                    count=len(where),
+                    values={"words": self.named(where), **values},
                 )
+                self.found.append((at, finding))
             return
         for i, d in listed(
             severity,
             code,
             where,
             lambda i: self.spans.at(int(w.start[i]), int(w.end[i] - w.start[i])),
-            lambda i: f"{self.plain.excerpt(int(w.start[i]), int(w.end[i]))}: {why}",
+            template,
+            lambda i: {
+                "words": Listing([self.plain.excerpt(int(w.start[i]), int(w.end[i]))]),
+                **values,
+            },
             hint,
         ):
             self.found.append((int(w.start[i]), d))
@@ -110,7 +125,7 @@ class Reading:
             return where
         return where[np.unique(self.words.start[where], return_index=True)[1]]
 
-    def named(self, where: Ints) -> str:
+    def named(self, where: Ints) -> Listing:
         """Return the different ones of some words, in their order, each with its count."""
         w, where = self.words, self.once(where)
         # Letter, digits and decimals as one number: 12 digits leave room for both.
@@ -124,31 +139,41 @@ class Reading:
             )
         ]
         rest = int(many[order[NAMED:]].sum())
-        return ", ".join(named) + (f" and {rest} more" if rest else "")
+        return Listing(named, unnamed=rest)
 
     def tell_lines(
         self,
         severity: Severity,
         code: str,
         where: Ints,
-        message: Callable[[int], str],
+        template: str,
+        values: Values | None = None,
         hint: str | None = None,
+        **common: object,
     ) -> None:
-        """Report lines, by index into ``where``; of warnings the first, with how many there are."""
+        """Report lines; of warnings the first, with how many there are.
+
+        Args:
+            severity, code, template, hint: of the findings.
+            where: the lines.
+            values: of a line, by its index in ``where``.
+            common: values of all of them.
+        """
         places = np.arange(len(where))
         if self.order is not None:  # once for each line of the text
             places = np.unique(self.order[where], return_index=True)[1]
         quiet = severity is not Severity.ERROR and len(places) > 1
-        many = f" ({len(places)} lines)" if quiet else ""
         for i, d in listed(
             severity,
             code,
             places,
             lambda i: self.spans[int(where[i])],
-            lambda i: message(i) + many,
+            template,
+            lambda i: {**common, **(values(i) if values is not None else {})},
             hint,
         ):
-            self.found.append((int(self.words.line_start[where[i]]), d))
+            finding = d.extended(" ({count} lines)") if quiet else d
+            self.found.append((int(self.words.line_start[where[i]]), finding))
         if severity is Severity.ERROR:
             self.bad[where] = True
 
@@ -162,14 +187,16 @@ class Reading:
             found = [d for d in found if d.code not in _DEPEND]
         return [*asked, *found]
 
-    def tell_stated(self, line: Ints, code: str, option: str) -> None:
+    def tell_stated(self, line: Ints, word: str, option: str) -> None:
         """Warn that the file says itself, and otherwise, what an option says."""
         self.tell_lines(
             Severity.WARNING,
             "iso-stated",
             line,
-            lambda i: f"{code} is in force here: {option} says otherwise, and has no effect",
-            f"leave {option} out, or correct the program",
+            "{word} is in force here: {option} says otherwise, and has no effect",
+            hint="leave {option} out, or correct the program",
+            word=word,
+            option=option,
         )
 
 
@@ -186,7 +213,9 @@ def column(r: Reading, letter: str) -> tuple[Ints, Bools, Bools, Ints]:
     lines = w.line[mask]
     twice = np.zeros(len(w.line), bool)
     twice[np.flatnonzero(mask)[1:][lines[1:] == lines[:-1]]] = True
-    r.tell_words(Severity.ERROR, "iso-word", twice, f"a second {letter} in one line")
+    r.tell_words(
+        Severity.ERROR, "iso-word", twice, "{words}: a second {letter} in one line", letter=letter
+    )
     value, decimals = np.zeros(r.lines, np.int64), np.zeros(r.lines, np.int64)
     has, pointed = np.zeros(r.lines, bool), np.zeros(r.lines, bool)
     # Nine decimals are a thousandth of a nanometre of an inch; further ones are rounded away.

@@ -15,14 +15,15 @@ main program runs without end). Eight levels: Mitsubishi's *Subprogram Call: M98
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.diag import Severity, note, warning
+from wedmcam.diag.lists import Listing
 from wedmcam.formats import iso
+from wedmcam.formats.listing import Values
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.reading import Reading
 from wedmcam.frontends.iso.words import Words
@@ -42,8 +43,6 @@ STYLES = {"N-label": "N", "O-number": "O"}
 _BESIDE = b"NGMCFSTE"
 #: What goes somewhere, and may stand beside M98 and M99 of "O-number" only: the motion comes first.
 _MOTION = b"XYIJR"
-#: Hint of a call that is wrong, beside what it says itself.
-_FORM = "a call is M98 P0001, or M98 P0001 L3 to run it three times"
 _BEHIND = "subprograms stand behind the end (M02) of the main program, each ends with M99"
 
 
@@ -54,7 +53,8 @@ class CallTree:
     Attributes:
         style: key of `STYLES`.
         end: the line that ends the main program.
-        wrong: lines, what is wrong there by index into them, and what to do.
+        wrong: lines, what is wrong there (a template, with values by index into them), and what
+            to do.
         spent: words that are read no more: those that call, return, and name programs.
         line, row, back: of each label its line, its word, and the line of the next M99; one past
             the last line where there is none.
@@ -79,12 +79,14 @@ class CallTree:
     low: Ints
     high: Ints
     runs: Ints
-    wrong: list[tuple[Ints, Callable[[int], str], str]] = field(default_factory=list)
+    wrong: list[tuple[Ints, str, Values | None, str]] = field(default_factory=list)
 
-    def refuse(self, lines: Ints, what: Callable[[int], str] | str, hint: str) -> None:
+    def refuse(
+        self, lines: Ints, template: str, values: Values | None = None, *, hint: str
+    ) -> None:
         """Keep what is wrong with some lines."""
         if len(lines):
-            self.wrong.append((lines, what if callable(what) else lambda i: what, hint))
+            self.wrong.append((lines, template, values, hint))
 
     def within(self, of_call: Ints) -> Ints:
         """Return the sum of a figure of each call over the calls of each subprogram."""
@@ -136,19 +138,19 @@ def order_of(r: Reading) -> Ints | None:
         # M199 may end the main program before the first call: then the style runs none.
         fits = [p for p in trees if p.live.any() and not p.wrong]
         names = [p.style for p in fits]
-        asked = dialects.of_subprograms(calls, w, r.plain, names, said == "none")
+        questions = dialects.of_subprograms(calls, w, r.plain, names, said == "none")
         runs = len(fits) == 1 and said != "none"
         if r.dialect.shown and not runs:
-            r.found += [(q.at, q.finding(r.spans, shown=False)) for q in asked]
+            r.found += [(q.at, q.finding(r.spans, shown=False)) for q in questions]
         else:
-            r.questions += asked
+            r.questions += questions
         if not r.dialect.shown or not runs:
             _leave(r, code, iso.END_OF_LABELS)
             return None
         tree = fits[0]
     if tree.wrong:
-        for lines, what, hint in tree.wrong:
-            r.tell_lines(Severity.ERROR, "subprogram", lines, what, hint)
+        for lines, template, values, hint in tree.wrong:
+            r.tell_lines(Severity.ERROR, "subprogram", lines, template, values, hint)
         _leave(r, code)
         return None
     r.subprograms = tree.style
@@ -215,9 +217,9 @@ def _tree_of(r: Reading, code: Ints, style: str) -> CallTree:
     tree.low = np.minimum(tree.low, tree.high)
     faults = _target(r, tree, whole)
     _reach(tree)
-    for which, what, hint in faults:
-        at = np.flatnonzero(which & tree.live)
-        tree.refuse(call[at], _at(what, at), hint)
+    for fault in faults:
+        at = np.flatnonzero(fault.which & tree.live)
+        tree.refuse(call[at], fault.template, _at(fault.values, at), hint=fault.hint)
     _check_lines(r, tree, code, backs)
     _check_bodies(r, tree, code)
     if tree.live.any() and not tree.wrong:
@@ -225,11 +227,19 @@ def _tree_of(r: Reading, code: Ints, style: str) -> CallTree:
     return tree
 
 
-def _at(what: Callable[[int], str], rows: Ints) -> Callable[[int], str]:
-    return lambda i: what(int(rows[i]))
+def _at(values: Values | None, rows: Ints) -> Values | None:
+    """Return the values of some rows, by index into these."""
+    return None if values is None else lambda i: values(int(rows[i]))
 
 
-_Fault = tuple[Bools, Callable[[int], str], str]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fault:
+    """Which calls cannot be followed, why (a template, with values by call), and what to do."""
+
+    which: Bools
+    template: str
+    values: Values | None = None
+    hint: str = "a call is M98 P0001, or M98 P0001 L3 to run it three times"
 
 
 def _target(r: Reading, tree: CallTree, whole: Bools) -> list[_Fault]:
@@ -269,39 +279,46 @@ def _target(r: Reading, tree: CallTree, whole: Bools) -> list[_Fault]:
     tree.target[found] = order[first[found]]
     letter = STYLES[tree.style]
 
-    def twice(i: int) -> str:
+    def twice(i: int) -> dict[str, object]:
         rows = tree.row[order[first[i] : first[i] + 2]]
         a, b = (int(w.line[k]) for k in rows)
-        return f"{_word(r, int(rows[0]))} stands twice, in lines {a + 1} and {b + 1}"
+        return {"label": _word(r, int(rows[0])), "line": a + 1, "again": b + 1}
 
+    labels = _labels(r, tree)
     no_p, ok = of_p == 0, (of_p == 1) & ~wrong_p
     return [
-        (no_p, lambda i: "M98 without P: the file does not say which subprogram", _FORM),
-        (~no_p & ~ok, lambda i: "P is the number of one subprogram, whole", _FORM),
-        (
+        _Fault(no_p, "M98 without P: the file does not say which subprogram"),
+        _Fault(~no_p & ~ok, "P is the number of one subprogram, whole"),
+        _Fault(
             (of_l > 1) | wrong_l | (times < 1),
-            lambda i: "L is how often the subprogram is run, whole, from 1 on",
-            _FORM,
+            "L is how often the subprogram is run, whole, from 1 on",
         ),
-        (
+        _Fault(
             packed & (of_l > 0),
-            lambda i: "P of five digits or more holds the number of times already, and L gives one",
-            _FORM,
+            "P of five digits or more holds the number of times already, and L gives one",
         ),
-        (
+        _Fault(
             both,
-            lambda i: (
-                f"both {letter}{p[i]} and {letter}{p[i] % 10_000:04d} are in the file: is P "
-                "the whole number, or the number of times and the last four digits?"
-            ),
-            "give one of the two subprograms another number",
+            "both {letter}{number} and {letter}{last:04d} are in the file: is P the whole number, "
+            "or the number of times and the last four digits?",
+            lambda i: {"letter": letter, "number": int(p[i]), "last": int(p[i] % 10_000)},
+            hint="give one of the two subprograms another number",
         ),
-        (
+        _Fault(
             ok & ~found,
-            lambda i: f"no line opens with {letter}{p[i]:04d}; {_names(r, tree)}",
-            _BEHIND,
+            "no line opens with {letter}{number:04d}; the file has {labels}"
+            if labels
+            else "no line opens with {letter}{number:04d}; the file has no {letter} behind the end "
+            "of the main program",
+            lambda i: {"letter": letter, "number": int(p[i]), "labels": labels},
+            hint=_BEHIND,
         ),
-        (ok & (many > 1), twice, "give one of the two another number"),
+        _Fault(
+            ok & (many > 1),
+            "{label} stands twice, in lines {line} and {again}",
+            twice,
+            hint="give one of the two another number",
+        ),
     ]
 
 
@@ -309,14 +326,10 @@ def _word(r: Reading, row: int) -> str:
     return r.plain.excerpt(int(r.words.start[row]), int(r.words.end[row]))
 
 
-def _names(r: Reading, tree: CallTree) -> str:
-    """Return which labels a file has behind its main program."""
-    rows = tree.row[tree.line > tree.end]
-    if not len(rows):
-        return f"the file has no {STYLES[tree.style]} behind the end of the main program"
-    named = ", ".join(_word(r, int(row)) for row in rows[:NAMED])
-    more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
-    return f"the file has {named}{more}"
+def _labels(r: Reading, tree: CallTree) -> Listing:
+    """Return the labels that a file has behind its main program, the first of many."""
+    rows = tree.row[tree.line > tree.end].tolist()
+    return Listing([_word(r, row) for row in rows[:NAMED]], unnamed=max(0, len(rows) - NAMED))
 
 
 def _reach(tree: CallTree) -> None:
@@ -339,7 +352,7 @@ def _check_lines(r: Reading, tree: CallTree, code: Ints, backs: Ints) -> None:
     tree.refuse(
         backs[backs <= tree.end],
         "M99 in the main program: the machine runs it from its start again, without end",
-        _BEHIND,
+        hint=_BEHIND,
     )
     motion = np.isin(w.letter, np.frombuffer(_MOTION, np.uint8))
     motion |= (w.letter == ord("G")) & np.isin(w.whole, (4, 64, 92))
@@ -351,7 +364,7 @@ def _check_lines(r: Reading, tree: CallTree, code: Ints, backs: Ints) -> None:
     tree.refuse(
         np.flatnonzero(here & (many > 1)),
         "another M word in a line with M98 or M99: no source states which comes first",
-        "write each into a line of its own",
+        hint="write each into a line of its own",
     )
     beside = np.isin(w.letter, np.frombuffer(_BESIDE, np.uint8)) & ~motion
     plain_call = beside | np.isin(w.letter, np.frombuffer(b"PL", np.uint8))
@@ -363,18 +376,28 @@ def _check_lines(r: Reading, tree: CallTree, code: Ints, backs: Ints) -> None:
     other = (called[w.line] & ~plain_call) | (returned[w.line] & ~plain_back)
     rows = np.flatnonzero(other)
     rows = rows[np.unique(w.line[rows], return_index=True)[1]]
+    aside = returned[w.line[rows]] & (w.letter[rows] == ord("P"))
 
-    def strange(i: int) -> str:
-        row = int(rows[i])
-        if returned[w.line[row]] and w.letter[row] == ord("P"):
-            return f"{_word(r, row)} beside M99 goes on in another line: it is not followed"
-        kind = "a motion" if motion[row] else "a word"
-        with_ = "M98" if called[w.line[row]] else "M99"
-        return (
-            f"{_word(r, row)}: {kind} in a line with {with_}; no source states what it does there"
+    def refuse(rows: Ints, template: str) -> None:
+        tree.refuse(
+            w.line[rows],
+            template,
+            lambda i: {
+                "word": _word(r, int(rows[i])),
+                "code": "M98" if called[w.line[rows[i]]] else "M99",
+            },
+            hint="write M98 and M99 into lines of their own",
         )
 
-    tree.refuse(w.line[rows], strange, "write M98 and M99 into lines of their own")
+    refuse(rows[aside], "{word} beside M99 goes on in another line: it is not followed")
+    refuse(
+        rows[~aside & motion[rows]],
+        "{word}: a motion in a line with {code}; no source states what it does there",
+    )
+    refuse(
+        rows[~aside & ~motion[rows]],
+        "{word}: a word in a line with {code}; no source states what it does there",
+    )
 
 
 def _check_bodies(r: Reading, tree: CallTree, code: Ints) -> None:
@@ -387,32 +410,48 @@ def _check_bodies(r: Reading, tree: CallTree, code: Ints) -> None:
     ends = np.unique(w.line[np.isin(code, ends_of(tree.style))])
     inside = tree.line[of] <= tree.end
 
-    def name(i: int) -> str:
-        return _word(r, int(tree.row[i]))
+    def refuse(mask: Bools, template: str) -> None:
+        rows = tree.row[of[mask]]
+        tree.refuse(
+            tree.call[called[mask]],
+            template,
+            lambda i: {"label": _word(r, int(rows[i]))},
+            hint=_BEHIND,
+        )
 
-    def tell(mask: Bools, what: Callable[[int], str], hint: str = _BEHIND) -> None:
-        labels = of[mask]
-        tree.refuse(tree.call[called[mask]], lambda i: what(int(labels[i])), hint)
-
-    tell(inside, lambda i: f"{name(i)} is a line of the main program, and no subprogram")
+    refuse(inside, "{label} is a line of the main program, and no subprogram")
     ended = np.searchsorted(ends, tree.line[of])
     stop = np.append(ends, r.lines)[ended]
     last = np.where(tree.style == "O-number", np.append(tree.line, r.lines)[of + 1], r.lines)
     endless = ~inside & (tree.back[of] >= np.minimum(last, r.lines))
-    tell(
+    refuse(
         endless & (stop >= last),
-        lambda i: f"{name(i)} has no M99: the file does not say where the subprogram ends",
+        "{label} has no M99: the file does not say where the subprogram ends",
     )
-    tell(
+    refuse(
         ~inside & (stop < np.minimum(last, tree.back[of])),
-        lambda i: f"{name(i)} ends the whole program (M02, M30) before its M99",
+        "{label} ends the whole program (M02, M30) before its M99",
     )
     if tree.style == "O-number":
         opens = w.line[0] if len(w.line) else 0
         other = tree.line[(tree.line <= tree.end) & (tree.line > opens)]
         tree.refuse(
-            other[:1], "another program begins here, and the one before it has no end", _BEHIND
+            other[:1],
+            "another program begins here, and the one before it has no end",
+            hint=_BEHIND,
         )
+
+
+#: A program that gets too long: counted out, only in its sum, and in neither.
+_LONG = "{total:,} lines would be run, and at most {most:,} are: here {label} of {lines:,}, {often}"
+_LONGER = (
+    "more than {total:,} lines would be run, and at most {most:,} are: here {label} of {lines:,}, "
+    "{often}"
+)
+_LONGEST = (
+    "more than {total:,} lines would be run, and at most {most:,} are: here {label} of {lines:,} "
+    "or more, {often}"
+)
 
 
 def _count(r: Reading, tree: CallTree) -> None:
@@ -436,14 +475,22 @@ def _count(r: Reading, tree: CallTree) -> None:
     total = tree.end + 1 + int((times * size[target])[main].sum())
     if total > MOST_LINES:
         worst = int(np.flatnonzero(main)[np.argmax((times * size[target])[main])])
-        name = _word(r, int(tree.row[target[worst]]))
         lines, often = int(size[target[worst]]), int(tree.times[worst])
-        over = "" if total < most else "more than "
+        if total < most:
+            template = _LONG
+        else:
+            template = _LONGER if lines < most else _LONGEST
         tree.refuse(
             tree.call[worst : worst + 1],
-            f"{over}{min(total, most):,} lines would be run, and at most {MOST_LINES:,} are: here "
-            f"{name} of {lines:,}{' or more' if lines == most else ''}, {_often(often)}",
-            "fewer repeats (L), or one program for each part",
+            template,
+            lambda i: {
+                "total": min(total, most),
+                "most": MOST_LINES,
+                "label": _word(r, int(tree.row[target[worst]])),
+                "lines": lines,
+                "often": _often(often),
+            },
+            hint="fewer repeats (L), or one program for each part",
         )
         return
     added = np.zeros(len(own), np.int64)
@@ -470,13 +517,17 @@ def _refuse_depth(r: Reading, tree: CallTree, deep: list[Bools]) -> None:
         if again:
             break
         calls = np.arange(tree.low[label], tree.high[label])
-    names = " > ".join(_word(r, int(tree.row[label])) for label in chain)
-    if again:
-        what, hint = f"{names}: a subprogram that runs itself never ends", "leave the call out"
-    else:
-        what = f"{names}: subprograms are nested at most {DEEPEST} deep"
-        hint = "write the lines of the last ones in the place of their calls"
-    tree.refuse(tree.call[call : call + 1], what, hint)
+    labels = Listing([_word(r, int(tree.row[label])) for label in chain], between=" > ")
+    tree.refuse(
+        tree.call[call : call + 1],
+        "{labels}: a subprogram that runs itself never ends"
+        if again
+        else "{labels}: subprograms are nested at most {deepest} deep",
+        lambda i: {"labels": labels, "deepest": DEEPEST},
+        hint="leave the call out"
+        if again
+        else "write the lines of the last ones in the place of their calls",
+    )
 
 
 # --- running it -----------------------------------------------------------------------------------
@@ -510,14 +561,20 @@ def _run(r: Reading, tree: CallTree) -> Ints:
     filled = np.bincount(w.line, minlength=r.lines) > 0
     blocks, lines = int(filled[order].sum()), int((filled & done).sum())
     used = np.flatnonzero(tree.runs)
-    named = ", ".join(
+    named = [
         f"{_word(r, int(tree.row[i]))} {'run ' if i == used[0] else ''}{_often(int(tree.runs[i]))}"
         for i in used[:NAMED]
-    )
-    more = f" and {len(used) - NAMED} more" if len(used) > NAMED else ""
-    what = f"subprograms: {named}{more}; {blocks} blocks are run from {lines} lines"
+    ]
     at = int(w.line_start[tree.call[np.argmax(tree.live)]])
-    r.found.append((at, note("subprogram-run", what, r.spans.at(at))))
+    finding = note(
+        "subprogram-run",
+        "subprograms: {subprograms}; {blocks} blocks are run from {lines} lines",
+        r.spans.at(at),
+        subprograms=Listing(named, unnamed=max(0, len(used) - NAMED)),
+        blocks=blocks,
+        lines=lines,
+    )
+    r.found.append((at, finding))
     _tell_idle(r, tree, filled & ~done)
     w = w.without_words(tree.spent | ~done[w.line])
     stray = w.stray[done[w.lines_at(w.stray)]]
@@ -539,8 +596,14 @@ def _tell_idle(r: Reading, tree: CallTree, idle: Bools) -> None:
     labels = np.flatnonzero(idle[tree.line])
     first = np.unique(tree.back[labels], return_index=True)[1]
     names = [_word(r, int(tree.row[i])) for i in labels[first[:NAMED]]]
-    more = f" and {len(first) - NAMED} more" if len(first) > NAMED else ""
-    called = f"; no call runs {', '.join(names)}{more}" if names else ""
     at = int(r.words.line_start[lines[0]])
-    what = f"{len(lines)} lines behind the end of the main program are not run{called}"
-    r.found.append((at, warning("after-end", what, r.spans.at(at), count=len(lines))))
+    finding = warning(
+        "after-end",
+        "{count} lines behind the end of the main program are not run; no call runs {labels}"
+        if names
+        else "{count} lines behind the end of the main program are not run",
+        r.spans.at(at),
+        count=len(lines),
+        labels=Listing(names, unnamed=max(0, len(first) - NAMED)),
+    )
+    r.found.append((at, finding))

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import FileSpan, Severity, error, note, warning
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error, note, warning
+from wedmcam.diag.lists import Listing
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.dialect import UNSAID
 from wedmcam.frontends.iso.lengths import MOST_NM, digit_nm, point_nm
 from wedmcam.frontends.iso.modes import Modes, Table, answers
+from wedmcam.frontends.iso.offsets import Entry
 from wedmcam.frontends.iso.reading import Reading, column, filled
 
 Ints = NDArray[np.int64]
@@ -41,8 +43,8 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         Severity.ERROR,
         "iso-d",
         both,
-        lambda i: "D and H both number offsets in this file: the file does not say which counts",
-        "leave one of them out",
+        "D and H both number offsets in this file: the file does not say which counts",
+        hint="leave one of them out",
     )
     if len(both):
         return None
@@ -54,11 +56,11 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         Severity.ERROR,
         "iso-d",
         np.flatnonzero(other),
-        lambda i: (
-            f"{letter} numbers no offset at this controller: the profile '{r.machine.name}' has "
-            f"{how.offset_word}"
-        ),
-        "another profile (--profile-in), or offset_word under [iso] of one of your own",
+        "{letter} numbers no offset at this controller: the profile '{machine}' has {offset_word}",
+        hint="another profile (--profile-in), or offset_word under [iso] of one of your own",
+        letter=letter,
+        machine=r.machine.name,
+        offset_word=how.offset_word,
     )
     if other.any():
         return None
@@ -67,10 +69,9 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         Severity.ERROR,
         "iso-d",
         np.flatnonzero(wrong),
-        lambda i: (
-            f"{letter} is the number of an offset in the controller's table: whole, from 0 on"
-        ),
-        f"{letter} with the number of the offset, such as G41 {letter}1",
+        "{letter} is the number of an offset in the controller's table: whole, from 0 on",
+        hint="{letter} with the number of the offset, such as G41 {letter}1",
+        letter=letter,
     )
     if wrong.any():
         return None
@@ -84,20 +85,25 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
     table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
     missing = [n for n in used if n not in filed] if tables.given is None else []
     if letter == "D" and how.offset_word == "either" and 0 in used and table(0) is None:
-        what = "D0 is read as no offset; at some machines it is an entry of the table like others"
-        hint = "--d 0=LENGTH says what is entered there"
-        r.found.append((at, warning("iso-offsets", what, r.spans[line], hint=hint)))
+        finding = warning(
+            "iso-offsets",
+            "D0 is read as no offset; at some machines it is an entry of the table like others",
+            r.spans[line],
+            hint="--d 0=LENGTH says what is entered there",
+        )
+        r.found.append((at, finding))
         table = _none_for_0(table)
         missing = [n for n in missing if n != 0]
     if missing:
-        given = answers([abs(n) for n in missing])
-        called = ", ".join(f"no {letter} at all" if n < 0 else f"{letter}{n}" for n in missing)
         r.tell_words(
             Severity.ERROR,
             "iso-compensation",
             offsets,
-            f"the controller offsets the path itself, by a table that the file has not ({called})",
-            f"give what is entered at the controller: {given}",
+            "{words}: the controller offsets the path itself, by a table that the file has not "
+            "({missing})",
+            hint="give what is entered at the controller: {answers}",
+            missing=[f"no {letter} at all" if n < 0 else f"{letter}{n}" for n in missing],
+            answers=answers([abs(n) for n in missing]),
         )
         return None
     counts = np.unique(d[d >= 0]).tolist()
@@ -125,29 +131,47 @@ def _tell_diameters(r: Reading, table: Table, entered: list[int], letter: str) -
     if factor == 1:
         return
     mm = r.machine.axes.step_um / 1000
-    said = [
+    entries = [
         f"{letter}{n} = {factor * um * mm:.4f} mm is a diameter: the wire runs {um * mm:.4f} mm "
         "beside the outline"
         for n in entered
         if (um := table(n))
     ]
-    if said:
-        r.found.append((0, note("iso-offsets", "; ".join(said), FileSpan(r.file), count=len(said))))
+    if entries:
+        finding = note(
+            "iso-offsets",
+            "{entries}",
+            FileSpan(r.file),
+            count=len(entries),
+            entries=Listing(entries, between="; "),
+        )
+        r.found.append((0, finding))
 
 
 def _tell_tables(r: Reading, used: bool) -> None:
     """Report tables of a file that change nothing."""
     for a, b in r.conditions[:1]:
-        many = f" ({len(r.conditions)} lines)" if len(r.conditions) > 1 else ""
-        what = f"{r.plain.excerpt(a, b)}: a table of conditions, not read{many}"
-        hint = "feed, generator and offset tables are set at the machine"
-        said = warning("iso-ignored", what, r.spans.at(a, b - a), hint=hint)
-        r.found.append((a, replace(said, count=len(r.conditions))))
+        finding = warning(
+            "iso-ignored",
+            "{text}: a table of conditions, not read ({count} lines)"
+            if len(r.conditions) > 1
+            else "{text}: a table of conditions, not read",
+            r.spans.at(a, b - a),
+            hint="feed, generator and offset tables are set at the machine",
+            count=len(r.conditions),
+            text=r.plain.excerpt(a, b),
+        )
+        r.found.append((a, finding))
     if r.entries and not used:
-        one, size = r.entries[0], len(r.entries)
-        what = f"{r.plain.excerpt(one.at, one.end)}: no G41 or G42 uses this table ({size} offsets)"
-        place = r.spans.at(one.at, one.end - one.at)
-        r.found.append((one.at, note("iso-offsets", what, place, count=size)))
+        one = r.entries[0]
+        finding = note(
+            "iso-offsets",
+            "{text}: no G41 or G42 uses this table ({count} offsets)",
+            r.spans.at(one.at, one.end - one.at),
+            count=len(r.entries),
+            text=r.plain.excerpt(one.at, one.end),
+        )
+        r.found.append((one.at, finding))
 
 
 def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, float] | None:
@@ -167,29 +191,53 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
         unset = [n for _, n in entry.refers if n not in nm]
         problem = None
         if unset:
-            problem = f"H{unset[0]} is set nowhere before it"
-        elif (line, entry.at) > first_use:
-            problem = "it is set behind the first G41 or G42: what was in force there is not known"
-        elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
-            problem = "the file has inches and mm, and neither is in force here"
-        elif entry.whole and digit is None:
-            problem = "a whole number in inches: the file does not say what its last digit is"
-        elif nm.setdefault(entry.number, value) != value:
-            problem = "the offset is set twice, to different values"
-        elif value < 0 or value > MOST_NM:
-            problem = (
-                "an offset is from 0 to a kilometre; G41 and G42 tell the side (one below 0 would "
-                "be the same offset with the other of the two)"
+            problem = _refusal(
+                r, entry, "{text}: H{unset} is set nowhere before it", unset=unset[0]
             )
-        place = r.spans.at(entry.at, entry.end - entry.at)
+        elif (line, entry.at) > first_use:
+            problem = _refusal(
+                r,
+                entry,
+                "{text}: it is set behind the first G41 or G42: what was in force there is not "
+                "known",
+            )
+        elif len(stated) == 2 and inch == UNSAID and (entry.pointed or entry.whole):
+            problem = _refusal(
+                r, entry, "{text}: the file has inches and mm, and neither is in force here"
+            )
+        elif entry.whole and digit is None:
+            problem = _refusal(
+                r,
+                entry,
+                "{text}: a whole number in inches: the file does not say what its last digit is",
+            )
+        elif nm.setdefault(entry.number, value) != value:
+            problem = _refusal(r, entry, "{text}: the offset is set twice, to different values")
+        elif value < 0 or value > MOST_NM:
+            problem = _refusal(
+                r,
+                entry,
+                "{text}: an offset is from 0 to a kilometre; G41 and G42 tell the side (one below "
+                "0 would be the same offset with the other of the two)",
+            )
         if problem is not None:
-            text = f"{r.plain.excerpt(entry.at, entry.end)}: {problem}"
-            hint = "put the table right, in front of the first G41 or G42"
-            r.found.append((entry.at, error("iso-d", text, place, hint=hint)))
+            r.found.append((entry.at, problem))
             wrong = True
     r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
     factor = r.machine.iso.entry_factor
     return None if wrong else {n: float(v / 1000 / factor) for n, v in nm.items()}
+
+
+def _refusal(r: Reading, entry: Entry, template: str, **values: object) -> Diagnostic:
+    """Return the finding about an entry of a table; ``{text}`` is what stands there."""
+    return error(
+        "iso-d",
+        template,
+        r.spans.at(entry.at, entry.end - entry.at),
+        hint="put the table right, in front of the first G41 or G42",
+        text=r.plain.excerpt(entry.at, entry.end),
+        **values,
+    )
 
 
 def _merged(
@@ -207,15 +255,31 @@ def _merged(
         entry = next(e for e in r.entries if e.number == n)
         place = r.spans.at(entry.at, entry.end - entry.at)
         unit = step * r.machine.iso.entry_factor
-        what = f"{letter}{n} = {mine * unit:.4f} mm, of the table in the file"
         if other is None or abs(other - mine) < 0.05:
-            r.found.append((entry.at, note("iso-offsets", what, place)))
-            continue
-        which = "that of the drawing" if tables.assumed else "--d"
-        wins = "the table of the file" if tables.assumed else "--d"
-        what += f"; {which} is {other * unit:.4f} mm: {wins} counts"
-        hint = "see which is entered at the machine"
-        r.found.append((entry.at, warning("iso-offsets", what, place, hint=hint)))
+            finding = note(
+                "iso-offsets",
+                "{letter}{number} = {file_mm:.4f} mm, of the table in the file",
+                place,
+                letter=letter,
+                number=n,
+                file_mm=mine * unit,
+            )
+        else:
+            finding = warning(
+                "iso-offsets",
+                "{letter}{number} = {file_mm:.4f} mm, of the table in the file; that of the "
+                "drawing is {other_mm:.4f} mm: the table of the file counts"
+                if tables.assumed
+                else "{letter}{number} = {file_mm:.4f} mm, of the table in the file; --d is "
+                "{other_mm:.4f} mm: --d counts",
+                place,
+                hint="see which is entered at the machine",
+                letter=letter,
+                number=n,
+                file_mm=mine * unit,
+                other_mm=other * unit,
+            )
+        r.found.append((entry.at, finding))
     own = {n: um for n, um in filed.items() if tables.assumed or entered.get(n) is None}
     given = tables.given
     return lambda n: own[n] if n in own else given(n) if given is not None else None

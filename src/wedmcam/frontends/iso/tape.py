@@ -43,9 +43,17 @@ def take_end(r: Reading, by_word: bool = True) -> None:
     late = np.unique(w.line[gone & goes])
     if len(late):
         at = int(w.start[gone & goes][0])
-        many = f"{len(late)} blocks" if len(late) > 1 else "a block"
-        what = f"{many} behind the end ({by}): not run"
-        r.found.append((at, warning("after-end", what, r.spans.at(at), hint="one program a file")))
+        finding = warning(
+            "after-end",
+            "{blocks} blocks behind the end ({end}): not run"
+            if len(late) > 1
+            else "a block behind the end ({end}): not run",
+            r.spans.at(at),
+            hint="one program a file",
+            blocks=len(late),
+            end=by,
+        )
+        r.found.append((at, finding))
     last = int(np.searchsorted(w.line_end, end))
     r.words = replace(
         w.without_words(gone),
@@ -66,5 +74,7 @@ def take_number(r: Reading) -> None:
         return
     first = np.zeros(len(w.line), bool)
     first[0] = True
-    r.tell_words(Severity.NOTE, "iso-ignored", first, "the number of the program: its name")
+    r.tell_words(
+        Severity.NOTE, "iso-ignored", first, "{words}: the number of the program: its name"
+    )
     r.words = w.without_words(first)

@@ -15,7 +15,8 @@ from wedmcam.controllers.zd065 import OUTLINE, compensated
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import compensation as gap
 from wedmcam.formats import quadrants
-from wedmcam.frontends.zd065.memory import Stream, mm
+from wedmcam.formats.lengths import mm_of
+from wedmcam.frontends.zd065.memory import Stream
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Machine
 
@@ -28,9 +29,9 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
 
     Blocks in error are left out. Never raises.
     """
-    stream, figure = _fields(data, file)
-    _check(stream, figure, machine)
-    _, found = stream.finish(compensated(figure, 0), machine)
+    stream, figure = _fields(data, file, machine)
+    _check(stream, figure)
+    _, found = stream.finish(compensated(figure, 0))
     return figure[stream.good], found
 
 
@@ -49,14 +50,15 @@ def decode(
     Refused where R - gap is not above 0 and at joints that are not tangent; the first and the last
     line between two controls may be leads and are not asked [R].
     """
-    stream, figure = _fields(data, file)
-    _check(stream, figure, machine)
+    stream, figure = _fields(data, file, machine)
+    _check(stream, figure)
     whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= gap.MOST_GAP_UM else 0
     stream.tell(
         Severity.ERROR,
         "gap-value",
         np.full(len(figure), whole != gap_um) & (np.arange(len(figure)) == 0),
-        lambda i: f"a gap of {gap_um:g} um; the controller takes whole um from 0 to 7999",
+        "block {block}: a gap of {gap_um:g} um; the controller takes whole um from 0 to {most_um}",
+        lambda i: {"gap_um": gap_um, "most_um": gap.MOST_GAP_UM},
     )
     sign = figure["grows"].astype(np.int64) * (1 if outwards else -1)
     after = figure["radius"] + sign * whole
@@ -64,16 +66,18 @@ def decode(
         Severity.ERROR,
         "gap-value",
         stream.arc & (after <= 0),
-        lambda i: (
-            f"the radius {mm(int(figure['radius'][i]))} is not larger than the gap "
-            f"{mm(whole)} by which it shrinks"
-        ),
+        "block {block}: the radius {radius_mm:.3f} mm is not larger than the gap {gap_mm:.3f} mm "
+        "by which it shrinks",
+        lambda i: {
+            "radius_mm": stream.mm(figure["radius"][i]),
+            "gap_mm": stream.mm(whole),
+        },
     )
     if whole:
         _tell_joints(stream, figure, whole)
     blocks = compensated(_safe(figure, stream), whole, outwards)
-    stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"], machine)
-    return stream.finish(blocks, machine)
+    stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
+    return stream.finish(blocks)
 
 
 def senses(data: bytes, machine: Machine) -> NDArray[np.int64]:
@@ -92,7 +96,8 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
     >>> stated(bytes.fromhex("24 01 00002000 00000000 00002000 002828 00"), default("compensation"))
     {'0x0000': 'R 2.000 mm, grows outwards'}
     """
-    s, figure = _fields(data, "")
+    s, figure = _fields(data, "", machine)
+    mm = mm_of(machine.axes.step_um)
     words = {1: "grows outwards", -1: "shrinks outwards", 0: "no type"}
     return {
         f"{int(s.starts[k]):#06x}": f"R {mm(radius)}, {words[grows]}"
@@ -105,8 +110,8 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
     }
 
 
-def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
-    s = Stream(data, gap.LENGTH, file)
+def _fields(data: bytes, file: str, machine: Machine) -> tuple[Stream, NDArray[np.void]]:
+    s = Stream(data, gap.LENGTH, file, machine)
     figure = np.zeros(len(s.starts), dtype=OUTLINE)
     figure["kind"], figure["turn"], figure["axis"] = s.kind, s.turn, Axis.SQUARE
     types = s.bytes_at(s.arc, 1)
@@ -120,43 +125,34 @@ def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
     return s, figure
 
 
-def _check(s: Stream, figure: NDArray[np.void], machine: Machine) -> None:
+def _check(s: Stream, figure: NDArray[np.void]) -> None:
     s.tell_digits()
     s.tell(
         Severity.ERROR,
         "bad-type",
         s.arc & (figure["grows"] == 0),
-        lambda i: "the compensation type is neither 0x01 (convex) nor 0x02 (concave)",
+        "block {block}: the compensation type is neither 0x01 (convex) nor 0x02 (concave)",
     )
     radius = np.hypot(figure["x"], figure["y"])
     s.tell(
         Severity.ERROR,
         "radius-contradicts",
         s.arc & (figure["radius"] < 1),
-        lambda i: "R is 0",
+        "block {block}: R is 0",
     )
     s.tell(
         Severity.WARNING,
         "radius-contradicts",
         s.arc & (np.abs(radius - figure["radius"]) > 2 + 0.01 * radius),
-        lambda i: (
-            f"R is {mm(int(figure['radius'][i]))}, but the arc starts "
-            f"{mm(float(radius[i]))} from its centre"
-        ),
+        "block {block}: R is {radius_mm:.3f} mm, but the arc starts {start_mm:.3f} mm from its "
+        "centre",
+        lambda i: {"radius_mm": s.mm(figure["radius"][i]), "start_mm": s.mm(radius[i])},
     )
     moving = s.arc | s.straight
     right = quadrants.quadrant(figure["x"], figure["y"], s.turn)
-    s.tell(
-        Severity.NOTE,
-        "quadrant-repaired",
-        moving & s.good & (right != s.named) & (right != 0),
-        lambda i: (
-            f"instruction {s.codes[i]:#04x} read as {s.group[i] + right[i]:#04x}, "
-            "the quadrant that it enters"
-        ),
-    )
+    s.tell_repaired(Severity.NOTE, moving & (right != s.named) & (right != 0), right)
     blocks = compensated(_safe(figure, s), 0)
-    s.tell_blocks(blocks["x"], blocks["y"], blocks["count"], machine)
+    s.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
 
 
 def _safe(figure: NDArray[np.void], s: Stream) -> NDArray[np.void]:
@@ -193,8 +189,9 @@ def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
         Severity.ERROR,
         "not-tangent",
         following & (angle > allowed),
-        lambda i: f"it meets the next block at an angle of {np.degrees(angle[i]):.3f} degrees",
-        "round the corner, or write the offset path: --to compact",
+        "block {block}: it meets the next block at an angle of {angle_deg:.3f} degrees",
+        lambda i: {"angle_deg": float(np.degrees(angle[i]))},
+        hint="round the corner, or write the offset path: --to compact",
     )
 
 

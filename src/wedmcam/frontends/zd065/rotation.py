@@ -12,9 +12,13 @@ from numpy.typing import NDArray
 from wedmcam.controllers.zd065 import POLAR, rotated
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import rotation
-from wedmcam.frontends.zd065.memory import Stream, mm
+from wedmcam.formats.lengths import mm_of
+from wedmcam.frontends.zd065.memory import Stream
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
+
+#: Arcs of a larger radius are refused, um.
+MOST_RADIUS_UM = 10_000_000
 
 
 def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
@@ -22,10 +26,10 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
 
     Blocks in error are left out. Never raises.
     """
-    stream, figure = _fields(data, file)
+    stream, figure = _fields(data, file, machine)
     stream.tell_digits()
     _check(stream, figure)
-    _, found = stream.finish(rotated(_safe(figure, stream)), machine)
+    _, found = stream.finish(rotated(_safe(figure, stream)))
     return figure[stream.good], found
 
 
@@ -41,14 +45,14 @@ def decode(
         copies: of the figure, 0 to 99 [S].
         step: degrees between copies.
     """
-    stream, figure = _fields(data, file)
+    stream, figure = _fields(data, file, machine)
     stream.tell_digits()
     _check(stream, figure)
     blocks = rotated(_safe(figure, stream))
     x, y = blocks["x"], blocks["y"]
-    stream.tell_blocks(x, y, blocks["count"], machine)
+    stream.tell_blocks(x, y, blocks["count"])
     stream.tell_quadrants(x, y)
-    program, found = stream.finish(blocks, machine)
+    program, found = stream.finish(blocks)
     if copies and stream.good.any():
         kept = figure[stream.good]
         tail = program.blocks[len(kept) :]
@@ -63,7 +67,8 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
     >>> stated(bytes.fromhex("01 02 30000000 020000 00"), default("rotation"))
     {'0x0000': 'heading 30 deg, length 20.000 mm'}
     """
-    s, figure = _fields(data, "")
+    s, figure = _fields(data, "", machine)
+    mm = mm_of(machine.axes.step_um)
     text = {}
     for at, arc, straight, row in zip(
         s.starts.tolist(), s.arc.tolist(), s.straight.tolist(), figure, strict=True
@@ -76,8 +81,8 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
     return text
 
 
-def _fields(data: bytes, file: str) -> tuple[Stream, NDArray[np.void]]:
-    s = Stream(data, rotation.LENGTH, file)
+def _fields(data: bytes, file: str, machine: Machine) -> tuple[Stream, NDArray[np.void]]:
+    s = Stream(data, rotation.LENGTH, file, machine)
     both = s.arc | s.straight
     figure = np.zeros(len(s.starts), dtype=POLAR)
     figure["kind"], figure["turn"] = s.kind, s.turn
@@ -95,7 +100,8 @@ def _check(s: Stream, figure: NDArray[np.void]) -> None:
         Severity.ERROR,
         "bad-angle",
         (s.arc | s.straight) & (start >= 360),
-        lambda i: f"the angle {start[i]:.6g} degrees is not below 360",
+        "block {block}: the angle {angle_deg:.6g} degrees is not below 360",
+        lambda i: {"angle_deg": float(start[i])},
     )
     # A few steps more than a turn close a small circle.
     room = 360 + 360 / np.maximum(figure["size"], 1)
@@ -103,13 +109,18 @@ def _check(s: Stream, figure: NDArray[np.void]) -> None:
         Severity.ERROR,
         "bad-angle",
         s.arc & ((sweep <= 0) | (sweep > room + 1)),
-        lambda i: f"the arc covers {sweep[i]:.6g} degrees; it must be above 0 and up to 360",
+        "block {block}: the arc covers {sweep_deg:.6g} degrees; it must be above 0 and up to 360",
+        lambda i: {"sweep_deg": float(sweep[i])},
     )
     s.tell(
         Severity.ERROR,
         "over-limit",
-        s.arc & (figure["size"] > 10_000_000),
-        lambda i: f"the radius is {mm(int(figure['size'][i]))}, the largest is 10000.000 mm",
+        s.arc & (figure["size"] > MOST_RADIUS_UM),
+        "block {block}: the radius is {radius_mm:.3f} mm, the largest is {most_mm:.3f} mm",
+        lambda i: {
+            "radius_mm": s.mm(figure["size"][i]),
+            "most_mm": s.mm(MOST_RADIUS_UM),
+        },
     )
 
 

@@ -190,9 +190,9 @@ def of_whole(words: Ints, w: Words, text: Plain, inch: Bools, assumed: str) -> l
         "{text}: a number without a point: {least:.4f} in or {most} in?"
         if inch[0]
         else "{text}: a number without a point: {least:.3f} mm or {most} mm?",
-        "its last digit is 0.0001 in" if inch[0] else f"whole numbers are {assumed}",
-        "--whole-in 0.0001in, or --whole-in inch; or --profile-in NAME|FILE of the machine it was "
-        "written for (of wedmcam: iso-um, iso-mm), or in verify its --certificate"
+        assumed="its last digit is 0.0001 in" if inch[0] else f"whole numbers are {assumed}",
+        hint="--whole-in 0.0001in, or --whole-in inch; or --profile-in NAME|FILE of the machine it "
+        "was written for (of wedmcam: iso-um, iso-mm), or in verify its --certificate"
         if inch[0]
         else "--whole-in um, or --whole-in mm; or --profile-in NAME|FILE of the machine it was "
         "written for (of wedmcam: iso-um, iso-mm), or in verify its --certificate",
@@ -385,8 +385,8 @@ def of_subprograms(
         if fit is None
         else "{text}: calls a subprogram: is P the number of a line (N), or of a program (O)? In "
         "this file every call finds its {style}",
-        "" if fit is None else f"{fit}, {_STYLES[fit]}",
-        "--subprograms-in N-label (M98 P0001 runs from the line N0001 to M99; --profile-in "
+        assumed="" if fit is None else f"{fit}, {_STYLES[fit]}",
+        hint="--subprograms-in N-label (M98 P0001 runs from the line N0001 to M99; --profile-in "
         "{of_lines}), or --subprograms-in O-number (M98 P0001 runs O0001 to M99; --profile-in "
         "{of_programs})",
         style=fit,

@@ -2,12 +2,14 @@
 
 ``docs/codes.md``: every diagnostic with an example that was run, from ``tests/bad``; the same
 examples go into the package for ``wedmcam explain``. ``docs/profiles.md``: every key of a profile.
-``docs/probe.md``: what the readings of `profile probe` mean.
-``tests/unit/test_pages.py`` demands that both are up to date.
+``docs/probe.md``: what the readings of `profile probe` mean. ``docs/modules.md``: what each module
+is for, from the first sentence of its docstring.
+``tests/unit/test_pages.py`` demands that they are up to date.
 """
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import io
 import itertools
@@ -317,6 +319,29 @@ def profiles_page() -> str:
     return "\n".join(lines) + "\n"
 
 
+def modules_page() -> str:
+    """Return docs/modules.md."""
+    source = ROOT / "src" / "wedmcam"
+    lines = [
+        "# Modules",
+        "",
+        "Written by `make docs`; do not edit: the first sentence of each module's docstring. Which",
+        "layer may import which, and where to change what: [ARCHITECTURE.md](../ARCHITECTURE.md).",
+    ]
+    rooms: dict[str, list[Path]] = {}
+    for path in sorted(source.rglob("*.py")):
+        room = path.relative_to(source).parent
+        rooms.setdefault("wedmcam" if room == Path() else str(room), []).append(path)
+    for room, paths in sorted(rooms.items(), key=lambda entry: (entry[0] != "wedmcam", entry[0])):
+        lines += ["", f"## {room}", ""]
+        for path in paths:
+            docstring = ast.get_docstring(ast.parse(path.read_text("utf-8"))) or ""
+            sentence = re.split(r"(?<=[.!?])\s+(?=[A-Z`])|\n\n", docstring, maxsplit=1)[0]
+            name = "the room" if path.name == "__init__.py" else f"`{path.stem}`"
+            lines += wrap(f"* {name}: {' '.join(sentence.split())}", 100, subsequent_indent="  ")
+    return "\n".join(lines) + "\n"
+
+
 def pages() -> tuple[dict[Path, str], list[str]]:
     """Return path -> text of every made file, and what is wrong with the examples."""
     shown, wrong = examples()
@@ -325,7 +350,7 @@ def pages() -> tuple[dict[Path, str], list[str]]:
     from wedmcam.probe.page import page as probe_page
 
     made = {docs / "codes.md": codes_page(shown), docs / "profiles.md": profiles_page()}
-    made[docs / "probe.md"] = probe_page()
+    made |= {docs / "probe.md": probe_page(), docs / "modules.md": modules_page()}
     return {EXAMPLES: text, **made}, wrong
 
 

@@ -27,7 +27,9 @@ def test_every_code_has_an_example_or_says_why_not(made):
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("name", ["examples.json", "codes.md", "profiles.md", "probe.md"])
+@pytest.mark.parametrize(
+    "name", ["examples.json", "codes.md", "profiles.md", "probe.md", "modules.md"]
+)
 def test_pages_are_up_to_date(made, name):
     path, text = next((p, t) for p, t in made[0].items() if p.name == name)
     assert path.read_text("utf-8") == text, f"{name} is old: run `make docs`"

@@ -22,7 +22,7 @@ import parts
 import wedmcam
 from wedmcam.arithmetic import FLOAT64
 from wedmcam.controllers.pointwise import run
-from wedmcam.controllers.zd065 import GAPPED, POLAR, compensated, rotated
+from wedmcam.controllers.zd065 import OUTLINE, POLAR, compensated, rotated
 from wedmcam.decimal8 import DECIMAL8
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.program import BLOCK, Axis, Kind
@@ -206,7 +206,7 @@ def our_rotation(size, count):
 def machine_compensation(radius, gap, count):
     """Arcs of the compensation format, scaled by the ZD-065: errors of x, y and of the end, um."""
     rng = np.random.default_rng(radius + gap)
-    figure = np.zeros(count, GAPPED)
+    figure = np.zeros(count, OUTLINE)
     start, sweep = rng.uniform(0, 2 * np.pi, count), rng.uniform(0.2, 1.5, count)
     figure["kind"], figure["turn"], figure["grows"], figure["radius"] = Kind.ARC, 1, 1, radius
     figure["x"] = np.rint(radius * np.cos(start))

@@ -18,7 +18,7 @@ from wedmcam.batch.work import Outcome, compile_item
 from wedmcam.machines import default
 from wedmcam.options import Options
 
-RECIPE = Recipe(default("3b"), Options(offset_um=100.0))
+RECIPE = Recipe(default("3b"), Options.of(offset_um=100.0))
 
 
 @pytest.fixture

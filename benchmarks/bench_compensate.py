@@ -16,7 +16,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import parts
-from wedmcam.transforms.compensate import compensate, largest_offset
+from wedmcam.transforms.compensate import compensate
+from wedmcam.transforms.compensate.largest import largest_offset
 
 OFFSET_UM = 130.0
 MAKE = {"gear": parts.gear, "stator": parts.stator, "pinch": parts.pinch, "biarc": parts.biarc}
@@ -65,13 +66,13 @@ def main():
     for name in options.work or MAKE:
         contour = MAKE[name](1000)
         start = time.process_time()
-        most, limit = largest_offset([contour], [1.0])
+        largest = largest_offset([contour], [1.0])
         spent = time.process_time() - start
         rows.append(
             {
                 "work": f"largest, {name}1000",
-                "offset_um": round(most, 2),
-                "limit": limit.kind if limit else None,
+                "offset_um": round(largest.offset_um, 2),
+                "limit": largest.limit.kind if largest.limit else None,
                 "ms": round(1e3 * spent, 1),
                 "ratio": round(spent / reference, 1),
             }

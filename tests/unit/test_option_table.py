@@ -12,8 +12,7 @@ from click.testing import CliRunner
 import wedmcam
 from wedmcam.cli.main import cli
 from wedmcam.cli.options import options_of
-from wedmcam.cli.settings import known_options
-from wedmcam.cli.settings.keys import COMMANDS
+from wedmcam.cli.settings.keys import COMMANDS, known_options
 from wedmcam.diag.run import WrongUse
 from wedmcam.ir.choices import Order, Side
 from wedmcam.option_table import ROWS, Kind, field_rows

@@ -6,7 +6,7 @@ import click
 
 from wedmcam import api
 from wedmcam.cli.files import read_program, shown_name
-from wedmcam.cli.settings import machine_for
+from wedmcam.cli.settings.profiles import machine_for
 from wedmcam.cli.terminal import print_findings, print_text
 from wedmcam.frontends.iso.dialect import QUESTIONS
 from wedmcam.reports.block import explain_block

@@ -5,19 +5,9 @@ from __future__ import annotations
 import time
 from typing import Any
 
-import click
-
 from wedmcam.cli.terminal import print_text
 from wedmcam.machines import Machine
 from wedmcam.reports.stages import STAGES, stage_text
-
-dump_option = click.option(
-    "--dump-after",
-    "dump_after",
-    type=click.Choice(["sketch", "contours", "plan", "program"]),
-    multiple=True,
-    help="Print what this stage gives, on standard output; repeat.",
-)
 
 
 class Observer:

@@ -14,7 +14,6 @@ import click
 from click.core import ParameterSource
 
 from wedmcam.cli.lengths import CUTS, OFFSET, POINT, UNIT, Length, OfLayer
-from wedmcam.cli.terminal import print_text
 from wedmcam.option_table import ROWS, Kind, Panel, Row, field_rows, rows_of
 
 if TYPE_CHECKING:
@@ -108,6 +107,13 @@ said_options = _stack(
     click.option("--json", "json_", is_flag=True, help="Summary on standard output."),
     click.option("-q", "--quiet", is_flag=True, help="Say only what is wrong."),
     click.option("-v", "--verbose", is_flag=True, help="Say more."),
+)
+dump_option = click.option(
+    "--dump-after",
+    "dump_after",
+    type=click.Choice(["sketch", "contours", "plan", "program"]),
+    multiple=True,
+    help="Print what this stage gives, on standard output; repeat.",
 )
 
 #: Parameters that say how a drawing is read, and how it is cut.
@@ -333,6 +339,8 @@ def format_of(output: str, to: str | None, profile: Machine | None = None) -> st
 
 def warn_of_idle(names: Set[str], why: str) -> None:
     """Say which of the options of some parameters were typed and have no effect."""
+    from wedmcam.cli.terminal import print_text
+
     context = click.get_current_context()
     for option in context.command.params:
         typed = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
@@ -342,6 +350,7 @@ def warn_of_idle(names: Set[str], why: str) -> None:
 
 def warn_of_name(output: str, format_: str) -> None:
     """Say so when the name of an output tells another format than is written."""
+    from wedmcam.cli.terminal import print_text
     from wedmcam.formats.names import FORMAT_OF_SUFFIX
 
     named = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())

@@ -12,7 +12,8 @@ from wedmcam.cli.files import read_input, shown_name, write_outputs
 from wedmcam.cli.lengths import DEGREES, length
 from wedmcam.cli.outputs import check_names, check_terminal, print_nothing_written
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.settings import ReadsPrograms, machine_for, profile_for
+from wedmcam.cli.settings import ReadsPrograms
+from wedmcam.cli.settings.profiles import machine_for, profile_for
 from wedmcam.cli.terminal import print_findings, print_json, print_text
 from wedmcam.formats.names import FORMAT_OF_SUFFIX
 from wedmcam.judge.certificate import finding_data

@@ -12,7 +12,8 @@ from wedmcam.cli import report
 from wedmcam.cli.files import Failed, Unreadable, read_program, shown_name
 from wedmcam.cli.lengths import length
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.settings import ReadsPrograms, format_of_program, machine_for
+from wedmcam.cli.settings import ReadsPrograms
+from wedmcam.cli.settings.profiles import format_of_program, machine_for
 from wedmcam.cli.terminal import print_findings, print_json
 from wedmcam.diag.run import WrongUse
 from wedmcam.formats.names import PROGRAM_FORMATS

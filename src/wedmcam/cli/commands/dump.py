@@ -9,7 +9,8 @@ import click
 from wedmcam import api
 from wedmcam.cli import options as ask
 from wedmcam.cli.files import read_program, shown_name
-from wedmcam.cli.settings import ReadsPrograms, machine_for
+from wedmcam.cli.settings import ReadsPrograms
+from wedmcam.cli.settings.profiles import machine_for
 from wedmcam.cli.tables import dump_lines, dump_rows
 from wedmcam.cli.terminal import print_findings, print_json, print_text
 from wedmcam.diag import has_errors

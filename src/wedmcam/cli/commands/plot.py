@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import click
 
-from wedmcam import api
 from wedmcam.cli import options as ask
-from wedmcam.cli.files import read_input, shown_name, write_outputs
-from wedmcam.cli.outputs import check_names, check_picture, picture, write_refused
-from wedmcam.cli.progress import waiting
-from wedmcam.cli.settings import Configured, typed
-from wedmcam.cli.source import Source
-from wedmcam.cli.terminal import print_findings
-from wedmcam.compiler.results import Compilation, Inspection, Proof
-from wedmcam.formats.names import FORMAT_OF_SUFFIX, PROGRAM_FORMATS
-from wedmcam.frontends.identify import identify
-from wedmcam.machines import Machine
+from wedmcam.cli.settings import Configured
 
 
 @click.command("plot", cls=Configured)
@@ -36,73 +25,12 @@ from wedmcam.machines import Machine
 @ask.compile_options
 @ask.feed_option
 @ask.said_options
-def plot_command(input_: str, output: str, contours: bool, **params: Any) -> int:
+def plot_command(**params: Any) -> int:
     """A picture: part, kept material, wire path, thread points, block numbers.
 
     The wire path of a drawing is that of the verified program. A drawing that is refused is drawn
     with the places marked.
     """
-    check_names([input_], [output])
-    # A picture shows the program; a drawing is one to cut by.
-    shown = Path(output).suffix.lower() != ".dxf"
-    if shown:
-        check_picture(output)
-    data, name = read_input(input_), shown_name(input_)
-    result: Compilation | Inspection | Proof
-    if Path(input_).suffix.lower() in FORMAT_OF_SUFFIX or _is_program(data):
-        machine = _machine_of_program(name, params)
-        options = ask.options_to_read(params)
-        texts: dict[str, str | bytes] = {}
-        with waiting(f"drawing {name}"):
-            result = api.verify(data, profile=machine, name=name, options=options, shown=shown)
-    else:
-        if contours:
-            ask.warn_of_idle({*ask.PATH_NAMES, "feed_um"}, "with --contours nothing is compiled")
-        named = params["profile"]
-        machine = ask.machine_of(named, None) if named else None
-        if contours:
-            source = Source(name, data, ask.options_to_inspect(params))
-        else:
-            source = Source(name, data, ask.options_of(params, answers=False))
-        texts = source.texts
-        result = _draw_source(source, machine, contours)
-    print_findings(result.findings, name, params["quiet"], texts)
-    return _write(result, name, output, shown)
+    from wedmcam.cli.run.plot import run_plot
 
-
-def _is_program(data: bytes) -> bool:
-    seen = identify(data)
-    return seen.format in PROGRAM_FORMATS
-
-
-def _machine_of_program(name: str, params: dict[str, Any]) -> Machine | None:
-    """Return the machine to read a program with; warn of options of drawings."""
-    named = ask.profile_in(params, typed(click.get_current_context()))
-    idle = {*ask.DRAWING_NAMES, *ask.PATH_NAMES, "feed_um"}
-    ask.warn_of_idle(idle, f"{name} is a program as it stands")
-    return ask.machine_of(named, None) if named else None
-
-
-def _draw_source(
-    source: Source, machine: Machine | None, contours: bool
-) -> Compilation | Inspection:
-    """Look at a source, or compile it."""
-    with waiting(f"drawing {source.name}"):
-        if contours:
-            return api.inspect(source.data, name=source.name, options=source.options)
-        return api.compile(source.data, profile=machine, name=source.name, options=source.options)
-
-
-def _write(result: Compilation | Inspection | Proof, name: str, output: str, shown: bool) -> int:
-    """Write the picture, or the path as a drawing; return the exit status."""
-    title = Path(name).name
-    if result.status:
-        if shown:
-            write_refused(result, title, output, name)
-    elif shown:
-        write_outputs([(output, picture(result, title, output))])
-    elif not isinstance(result, Inspection) and result.program is not None:
-        write_outputs([(output, api.path_drawing(result.program, result.machine))])
-    else:
-        raise click.UsageError(f"{output}: a DXF holds the path of a good program, there is none")
-    return int(result.status)
+    return run_plot(**params)

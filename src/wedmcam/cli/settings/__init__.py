@@ -7,25 +7,22 @@ table of keys is the options themselves, so a new option can stand there at once
 
 `keys` is that table, `read` turns a file into settings (`layers` its tables of layers), `find` says
 where files are, `in_force` which setting wins (`profiles`: for which program a profile is), and
-`configured` are the commands that run with them. `state` is all that a run keeps of it.
+`configured` are the commands that run with them. `state` is all that a run keeps of it. Help asks
+for `configured` and `keys` alone, so these load nothing that reads a file.
 """
 
 from __future__ import annotations
 
 from wedmcam.cli.settings.configured import Configured, ReadsPrograms, also_read, typed
 from wedmcam.cli.settings.keys import NAME, key_of, known_options, of_one_run
-from wedmcam.cli.settings.profiles import format_of_program, machine_for, profile_for
 
 __all__ = [
     "NAME",
     "Configured",
     "ReadsPrograms",
     "also_read",
-    "format_of_program",
     "key_of",
     "known_options",
-    "machine_for",
     "of_one_run",
-    "profile_for",
     "typed",
 ]

@@ -10,10 +10,8 @@ import click
 from click.core import ParameterSource
 
 from wedmcam.cli.settings.find import folder_of
-from wedmcam.cli.settings.in_force import in_force, locate
 from wedmcam.cli.settings.keys import NAME, PROFILES, options_of_command
 from wedmcam.cli.settings.state import InForce, state_of
-from wedmcam.diag.run import WrongUse
 from wedmcam.option_table import Panel, rows_of
 
 #: Keys that say how programs are read, whatever their format, and F of one that is written.
@@ -42,6 +40,9 @@ class Configured(click.Command):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Complete the arguments and run."""
+        from wedmcam.cli.settings.in_force import locate
+        from wedmcam.diag.run import WrongUse
+
         force = self.in_force(ctx, folder_of(_input(ctx.params)))
         state_of(ctx).in_force = force
         ctx.params = force.params
@@ -60,6 +61,8 @@ class Configured(click.Command):
         Raises:
             BadSettings: a settings file is wrong.
         """
+        from wedmcam.cli.settings.in_force import in_force
+
         certificate = ctx.params.get("certificate")
         repeats = "program" in ctx.params and certificate and Path(certificate).exists()
         # A certificate says how its program was made: today's defaults of the shop do not apply.

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from wedmcam.cli.settings.keys import NAME, known_options
-from wedmcam.cli.settings.read import BadSettings, File, read_text
+from wedmcam.cli.settings.keys import NAME
 from wedmcam.cli.settings.state import state_of
-from wedmcam.diag import TextSpan, error
+
+if TYPE_CHECKING:
+    from wedmcam.cli.settings.read import File
 
 
 def user_folder() -> Path:
@@ -42,37 +44,16 @@ def files_for(folder: Path, ctx: click.Context) -> tuple[File, ...]:
         BadSettings: with all errors of all of them.
     """
     known = state_of(ctx).files
-    for place in places(folder):
+    there = [place for place in places(folder) if place in known or place.is_file()]
+    if not there:
+        return ()
+    from wedmcam.cli.settings.read import BadSettings, load  # most shops have no such file
+
+    for place in there:
         if place not in known:
-            known[place] = _load(place, ctx)
-    files = tuple(f for p in places(folder) if (f := known[p]) is not None)
+            known[place] = load(place, ctx)
+    files = tuple(known[place] for place in there)
     bad = [(d, f.text) for f in files for d in f.findings]
     if bad:
         raise BadSettings(bad)
     return files
-
-
-def _load(path: Path, ctx: click.Context) -> File | None:
-    """Return a settings file as read; None where there is none."""
-    if not path.is_file():
-        return None
-    name = _shown(path)
-    try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as why:
-        wrong = error(
-            "settings-syntax", "cannot be read: {why}", TextSpan(name, 1, 1), why=why.strerror
-        )
-    except UnicodeDecodeError:
-        wrong = error("settings-syntax", "not UTF-8", TextSpan(name, 1, 1))
-    else:
-        group = ctx.find_root().command
-        assert isinstance(group, click.Group)
-        return read_text(text, name, path.parent, known_options(group))
-    return File(name, {}, (wrong,), "")
-
-
-def _shown(path: Path) -> str:
-    """Return a path as people know it: from here, where it is below here."""
-    here = Path.cwd()
-    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)

@@ -5,16 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from wedmcam.cli.settings.find import files_for
 from wedmcam.cli.settings.keys import OFFSETS, PROFILES
 from wedmcam.cli.settings.profiles import format_of_name, unfit_profile
-from wedmcam.cli.settings.read import BadSettings, Setting
 from wedmcam.cli.settings.state import InForce, state_of
-from wedmcam.diag import error
+
+if TYPE_CHECKING:
+    from wedmcam.cli.settings.read import BadSettings, Setting
 
 
 def in_force(
@@ -93,6 +94,9 @@ def locate(why: Exception, force: InForce) -> BadSettings | None:
     for key in re.findall(r"--([a-z][a-z-]*)", str(why)):
         setting = force.settings.get(key)
         if setting is not None:
+            from wedmcam.cli.settings.read import BadSettings
+            from wedmcam.diag import error
+
             text = next(f.text for f in force.files if f.name == setting.span.file)
             finding = error("settings-value", "{reason}", setting.span, reason=str(why))
             return BadSettings([(finding, text)])

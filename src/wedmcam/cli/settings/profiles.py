@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from wedmcam.cli import options as ask
-from wedmcam.cli.files import read_input
 from wedmcam.cli.settings.keys import PROFILES
-from wedmcam.cli.settings.read import Setting
 from wedmcam.cli.settings.state import state_of
 from wedmcam.formats.names import FORMAT_OF_SUFFIX
-from wedmcam.machines import Machine
+
+if TYPE_CHECKING:
+    from wedmcam.cli.settings.read import Setting
+    from wedmcam.machines import Machine
 
 
 def profile_for(format_: str | None, keys: Iterable[str] = ("profile",)) -> Setting | None:
@@ -81,6 +82,7 @@ def _format_read(params: Mapping[str, Any]) -> str | None:
         return FORMAT_OF_SUFFIX[suffix]
     if suffix in (".dxf", ".wed") or not Path(name).is_file():
         return None if "program" not in params else "a program from standard input"
+    from wedmcam.cli.files import read_input
     from wedmcam.frontends.identify import identify  # reads ISO: not for every program
 
     seen = identify(read_input(name)).format

@@ -13,7 +13,7 @@ import click
 
 from wedmcam import machines
 from wedmcam.cli.lengths import Length, Point
-from wedmcam.cli.settings.keys import PROFILES, of_one_run
+from wedmcam.cli.settings.keys import PROFILES, known_options, of_one_run
 from wedmcam.cli.settings.layers import take_layers
 from wedmcam.cli.terminal import coloured
 from wedmcam.diag import Diagnostic, TextSpan, error
@@ -67,6 +67,30 @@ class BadSettings(click.ClickException):
     def show(self, file: Any = None) -> None:
         """Print the findings."""
         click.echo(self.rendered(coloured()), err=True)
+
+
+def load(path: Path, ctx: click.Context) -> File:
+    """Return a settings file as read."""
+    name = _shown(path)
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except OSError as why:
+        wrong = error(
+            "settings-syntax", "cannot be read: {why}", TextSpan(name, 1, 1), why=why.strerror
+        )
+    except UnicodeDecodeError:
+        wrong = error("settings-syntax", "not UTF-8", TextSpan(name, 1, 1))
+    else:
+        group = ctx.find_root().command
+        assert isinstance(group, click.Group)
+        return read_text(text, name, path.parent, known_options(group))
+    return File(name, {}, (wrong,), "")
+
+
+def _shown(path: Path) -> str:
+    """Return a path as people know it: from here, where it is below here."""
+    here = Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
 
 
 def read_text(text: str, name: str, folder: Path, known: Mapping[str, click.Option]) -> File:

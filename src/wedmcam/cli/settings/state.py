@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from wedmcam.cli.settings.read import File, Setting
+if TYPE_CHECKING:
+    from wedmcam.cli.settings.read import File, Setting
 
 #: The key of `Context.meta`.
 META = "wedmcam.settings"
@@ -42,13 +43,13 @@ class State:
     Attributes:
         off: ``--no-config`` is given.
         given: parameters as click collected them, before settings; None until a command starts.
-        files: place -> the settings file that is there, None for none.
+        files: place -> the settings file that is there.
         in_force: what the command runs with.
     """
 
     off: bool = False
     given: dict[str, Any] | None = None
-    files: dict[Path, File | None] = field(default_factory=dict)
+    files: dict[Path, File] = field(default_factory=dict)
     in_force: InForce = field(default_factory=InForce)
 
 

@@ -87,6 +87,10 @@ class Diagnostic:
 
     def __post_init__(self) -> None:
         assert self.code in CODES, f"finding with an unlisted code: {self.code}"
+        # A field without its value is a fault of the program, not of a drawing: it is found where
+        # the finding is made, and never when a text is printed, for what is formed once can be
+        # formed again. No user meets it: the sources are searched for fields without values.
+        assert self._forms(), f"{self.code}: {self.template!r} and its values do not fit"
 
     @property
     def message(self) -> str:
@@ -113,15 +117,29 @@ class Diagnostic:
             values={**self.values, **values},
         )
 
+    def with_hint(self, hint: str, **values: Any) -> Diagnostic:
+        """Return the finding with another hint, a template, and more values.
+
+        >>> note("join", "a gap", hint="close it").with_hint("draw {what}", what="an arc").hint
+        'draw an arc'
+        """
+        return replace(self, hint_template=hint, values={**self.values, **values})
+
     def _formed(self, template: str) -> str:
         values = {
             name: ", ".join(map(str, value)) if type(value) in (list, tuple) else value
             for name, value in self.values.items()
         }
+        return template.format_map({"count": self.count, **values})
+
+    def _forms(self) -> bool:
+        """Return whether the values fill the templates."""
         try:
-            return template.format_map({"count": self.count, **values})
-        except (KeyError, IndexError, ValueError):
-            return template
+            self._formed(self.template)
+            self._formed(self.hint_template or "")
+        except (LookupError, ValueError, TypeError, AttributeError):
+            return False
+        return True
 
 
 #: Arguments of `error`, `warning`, `note` that are fields of the finding; others are values.

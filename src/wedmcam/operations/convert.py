@@ -181,11 +181,8 @@ def _of_reader(found: Sequence[Diagnostic], stays: bool) -> list[Diagnostic]:
     for d in found:
         if d.code == "iso-harmless":
             findings.append(
-                replace(
-                    d,
-                    code="not-carried",
-                    severity=Severity.WARNING,
-                    hint_template="see to it at the machine",
+                replace(d, code="not-carried", severity=Severity.WARNING).with_hint(
+                    "see to it at the machine"
                 )
             )
         elif d.code != "no-gap":

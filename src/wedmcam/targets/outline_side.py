@@ -10,7 +10,6 @@ every other.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -67,11 +66,7 @@ def arc_growth(
         rings += [] if ring is None else [ring]
         found += [] if problem is None else [problem]
     contours = [ring.contour for ring in rings]
-    found += [
-        replace(d, hint_template=CURE)
-        for d in contour_meetings(contours)
-        if d.severity is Severity.ERROR
-    ]
+    found += [d.with_hint(CURE) for d in contour_meetings(contours) if d.severity is Severity.ERROR]
     if found:
         return None, found
     nesting = nest(contours)

@@ -100,12 +100,12 @@ class Scaled(Stated):
         _, found = self.read(data, "program", entries)
         x, y = plan.cuts[0].thread
         return [
-            replace(d, span=None, hint_template=None).extended(
+            replace(d, span=None)
+            .extended(
                 ", in the program that starts at {program_start}",
-                hint="another --corner or gap, or --to {instead}",
                 program_start=Place.of_um(x, y),
-                instead=self.instead,
             )
+            .with_hint("another --corner or gap, or --to {instead}", instead=self.instead)
             for d in found
             if d.severity is Severity.ERROR
         ]

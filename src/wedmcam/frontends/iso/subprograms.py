@@ -46,6 +46,16 @@ _MOTION = b"XYIJR"
 _BEHIND = "subprograms stand behind the end (M02) of the main program, each ends with M99"
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Refused:
+    """What is wrong with lines: a template, with values by index into them, and what to do."""
+
+    lines: Ints
+    template: str
+    values: Values | None
+    hint: str
+
+
 @dataclass(slots=True, eq=False)
 class CallTree:
     """How a text is run in one style, or why it cannot be.
@@ -79,14 +89,14 @@ class CallTree:
     low: Ints
     high: Ints
     runs: Ints
-    wrong: list[tuple[Ints, str, Values | None, str]] = field(default_factory=list)
+    wrong: list[_Refused] = field(default_factory=list)
 
     def refuse(
         self, lines: Ints, template: str, values: Values | None = None, *, hint: str
     ) -> None:
         """Keep what is wrong with some lines."""
         if len(lines):
-            self.wrong.append((lines, template, values, hint))
+            self.wrong.append(_Refused(lines, template, values, hint))
 
     def within(self, of_call: Ints) -> Ints:
         """Return the sum of a figure of each call over the calls of each subprogram."""
@@ -149,8 +159,10 @@ def order_of(r: Reading) -> Ints | None:
             return None
         tree = fits[0]
     if tree.wrong:
-        for lines, template, values, hint in tree.wrong:
-            r.tell_lines(Severity.ERROR, "subprogram", lines, template, values, hint)
+        for one in tree.wrong:
+            r.tell_lines(
+                Severity.ERROR, "subprogram", one.lines, one.template, one.values, one.hint
+            )
         _leave(r, code)
         return None
     r.subprograms = tree.style

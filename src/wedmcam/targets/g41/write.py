@@ -101,11 +101,9 @@ def _path_errors(
         return _closing_errors(program, plan, machine)
     start = Place.of_um(*plan.cuts[0].thread)
     return [
-        replace(
-            d.extended("; the program starts at {start}", start=start),
-            span=None,
-            hint_template=OTHER,
-        )
+        replace(d, span=None)
+        .extended("; the program starts at {start}", start=start)
+        .with_hint(OTHER)
         for d in findings
         if d.severity is Severity.ERROR
     ]

@@ -180,7 +180,7 @@ def _fields(
 
 
 def _of_4b(d: Diagnostic) -> Diagnostic:
-    """Return what the 3B reader found, said of a 4B record: one B too many is no 4B there."""
+    """Return a finding of the 3B reader as it is of a 4B record: one B too many is no 4B there."""
     if d.code != "unsupported-4b":
         return d
     return error(
@@ -213,11 +213,11 @@ def senses(data: bytes, machine: Machine) -> Ints:
     return _fields(data, machine, "")[1]["grows"].astype(np.int64)
 
 
-def stated(data: bytes, machine: Machine) -> dict[str, str]:
+def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:
     """Return what each arc states beside the fields of 3B, for people, by line:column.
 
     >>> from wedmcam.machines import default
-    >>> stated(b"B9900B0B39600B9900DDGYNR1", default("4b"))
+    >>> describe_blocks(b"B9900B0B39600B9900DDGYNR1", default("4b"))
     {'1:1': 'R 9.900 mm, shrinks outwards'}
     """
     program, figure, _ = _fields(data, machine, "")

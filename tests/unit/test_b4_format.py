@@ -185,6 +185,6 @@ def test_forgeries():
 
 
 def test_what_arcs_state_is_dumped():
-    from wedmcam.frontends import stated
+    from wedmcam.frontends import describe_blocks
 
-    assert stated(ROUND.encode(), M)["2:1"] == "R 2.000 mm, grows outwards"
+    assert describe_blocks(ROUND.encode(), M)["2:1"] == "R 2.000 mm, grows outwards"

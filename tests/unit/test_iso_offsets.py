@@ -617,3 +617,10 @@ def test_g92_in_compensation_is_refused():
     program, found = iso(text)
     assert program is None
     assert "compensation-place" in codes(found)
+
+
+@pytest.mark.parametrize("motion", ["", "G01 X0 Y0\n"], ids=["no motion", "length 0"])
+def test_g41_without_a_motion_that_goes_anywhere_is_read(motion):
+    program, found = read(f"G92 X0 Y0\nG91\nG41 D1\n{motion}G40\nM02\n", [(1, 100.0)])
+    assert not [block for block in program.blocks if block["kind"] <= Kind.ARC]
+    assert not motion or any(d.code == "iso-ignored" for d in found)

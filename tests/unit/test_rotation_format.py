@@ -202,9 +202,9 @@ def test_memory_holds_455_lines():
 
 
 def test_what_a_block_states():
-    from wedmcam.frontends import stated
+    from wedmcam.frontends import describe_blocks
 
-    assert stated(LINE + ARC + b"\0", M) == {
+    assert describe_blocks(LINE + ARC + b"\0", M) == {
         "0x0000": "heading 30 deg, length 20.000 mm",
         "0x0009": "start 0 deg, R 10.000 mm, sweep 90 deg",
     }

@@ -49,12 +49,12 @@ def senses(data: bytes, machine: Any) -> Any:
     return import_module(DECODERS[machine.format]).senses(data, machine)
 
 
-def stated(data: bytes, machine: Any) -> dict[str, str]:
+def describe_blocks(data: bytes, machine: Any) -> dict[str, str]:
     """Return what blocks state beyond those of a cutting format, by `programs.rows.Row.where`.
 
     Of the ZD-065's other formats and of 4B; empty for the rest. `dump` shows the cutting blocks
     that the controller makes of them (without copies, gap 0).
     """
-    of_format = getattr(import_module(DECODERS[machine.format]), "stated", None)
+    of_format = getattr(import_module(DECODERS[machine.format]), "describe_blocks", None)
     more: dict[str, str] = {} if of_format is None else of_format(data, machine)
     return more

@@ -40,34 +40,55 @@ def decode(
     Refused with a gap: arcs without R or without D or DD, R - gap not above 0, and joints that are
     not tangent; the first and the last line between two controls may be leads and are not asked.
     """
-    program, figure, found = _fields(data, machine, file)
-    blocks = program.blocks
-    if has_errors(found):
-        return program, found
-    tell = _Teller(program, found)
-    arc = blocks["kind"] == Kind.ARC
+    program, figure, findings = _fields(data, machine, file)
+    if has_errors(findings):
+        return program, findings
+    tell = _Teller(program, findings)
+    _tell_radii(tell, figure, machine)
+    gap = _whole_gap(tell, gap_um)
+    if gap and not tell.failed:
+        _tell_unfit(tell, figure, machine, gap, outwards)
+    if not gap or tell.failed:
+        return program, tell.found
+    cutting = _cutting(tell, figure, gap, outwards)
+    return Program(cutting, spans=program.spans, words=program.words), tell.found
+
+
+def _tell_radii(tell: _Teller, figure: NDArray[np.void], machine: Machine) -> None:
+    """Warn of arcs whose R is not the distance of their start from their centre."""
     mm = to_mm(machine.axes.step_um)
-    radius = np.hypot(blocks["x"], blocks["y"])
-    stated, grows = figure["radius"], figure["grows"].astype(np.int64)
+    radius, stated = np.hypot(figure["x"], figure["y"]), figure["radius"]
+    off = np.abs(radius - stated) > 2 + 0.01 * radius
     tell(
         Severity.WARNING,
         "radius-contradicts",
-        arc & (stated > 0) & (np.abs(radius - stated) > 2 + 0.01 * radius),
+        (figure["kind"] == Kind.ARC) & (stated > 0) & off,
         "R is {radius_mm:.3f} mm, but the arc starts {start_mm:.3f} mm from its centre",
         lambda i: {"radius_mm": mm(stated[i]), "start_mm": mm(radius[i])},
     )
-    whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= b4.MOST_GAP_UM else 0
-    if whole != gap_um:
+
+
+def _whole_gap(tell: _Teller, gap_um: float) -> int:
+    """Return the gap in whole um, 0 with a finding for one that a controller does not take."""
+    gap = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= b4.MOST_GAP_UM else 0
+    if gap != gap_um:
         tell(
             Severity.ERROR,
             "gap-value",
-            np.arange(len(blocks)) == 0,
+            np.arange(len(tell.program.blocks)) == 0,
             "a gap of {gap_um:g} um; whole um from 0 to {most_um} are taken",
             lambda i: {"gap_um": gap_um, "most_um": b4.MOST_GAP_UM},
         )
-    if not whole or tell.failed:
-        return program, tell.found
-    err = Severity.ERROR
+    return gap
+
+
+def _tell_unfit(
+    tell: _Teller, figure: NDArray[np.void], machine: Machine, gap: int, outwards: bool
+) -> None:
+    """Refuse arcs and joints that cannot be offset by a gap, um."""
+    arc, err = figure["kind"] == Kind.ARC, Severity.ERROR
+    mm = to_mm(machine.axes.step_um)
+    stated, grows = figure["radius"], figure["grows"].astype(np.int64)
     tell(
         err,
         "bad-type",
@@ -75,16 +96,16 @@ def decode(
         "an arc without R, or without D or DD: it cannot be offset",
         hint="write B R and D (convex) or DD (concave) before G",
     )
-    after = stated + grows * (1 if outwards else -1) * whole
+    after = stated + grows * (1 if outwards else -1) * gap
     tell(
         err,
         "gap-value",
         arc & (after <= 0),
         "the radius {radius_mm:.3f} mm is not larger than the gap {gap_mm:.3f} mm by which it "
         "shrinks",
-        lambda i: {"radius_mm": mm(stated[i]), "gap_mm": mm(whole)},
+        lambda i: {"radius_mm": mm(stated[i]), "gap_mm": mm(gap)},
     )
-    angle, allowed, joint = _joints(blocks, whole, machine.own_stepping)
+    angle, allowed, joint = _joints(tell.program.blocks, gap, machine.own_stepping)
     tell(
         err,
         "not-tangent",
@@ -93,19 +114,22 @@ def decode(
         lambda i: {"angle_deg": float(np.degrees(angle[i]))},
         hint="round the corner, or write the offset path: --to 3b",
     )
-    if tell.failed:
-        return program, tell.found
-    cutting = blocks.copy()
-    scaled = compensated(figure, whole, outwards)
+
+
+def _cutting(tell: _Teller, figure: NDArray[np.void], gap: int, outwards: bool) -> NDArray[np.void]:
+    """Return the blocks with their arcs offset by a gap, um, and refuse arcs that vanish."""
+    cutting = tell.program.blocks.copy()
+    arc = cutting["kind"] == Kind.ARC
+    scaled = compensated(figure, gap, outwards)
     for name in ("x", "y", "count"):
         cutting[name][arc] = scaled[name][arc]
     tell(
-        err,
+        Severity.ERROR,
         "zero-count",
         arc & ((cutting["count"] < 1) | (cutting["x"] ** 2 + cutting["y"] ** 2 < 2)),
         "the gap leaves nothing of this arc",
     )
-    return Program(cutting, spans=program.spans, words=program.words), tell.found
+    return cutting
 
 
 class _Teller:
@@ -156,7 +180,7 @@ def _fields(
 
 
 def _of_4b(d: Diagnostic) -> Diagnostic:
-    """Return what the 3B reader found, said of a 4B record: one B too many is no 4B there."""
+    """Return a finding of the 3B reader as it is of a 4B record: one B too many is no 4B there."""
     if d.code != "unsupported-4b":
         return d
     return error(
@@ -189,11 +213,11 @@ def senses(data: bytes, machine: Machine) -> Ints:
     return _fields(data, machine, "")[1]["grows"].astype(np.int64)
 
 
-def stated(data: bytes, machine: Machine) -> dict[str, str]:
+def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:
     """Return what each arc states beside the fields of 3B, for people, by line:column.
 
     >>> from wedmcam.machines import default
-    >>> stated(b"B9900B0B39600B9900DDGYNR1", default("4b"))
+    >>> describe_blocks(b"B9900B0B39600B9900DDGYNR1", default("4b"))
     {'1:1': 'R 9.900 mm, shrinks outwards'}
     """
     program, figure, _ = _fields(data, machine, "")

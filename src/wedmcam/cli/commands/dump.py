@@ -14,7 +14,7 @@ from wedmcam.cli.settings.profiles import machine_for
 from wedmcam.cli.tables import dump_lines, dump_rows
 from wedmcam.cli.terminal import print_findings, print_json, print_text
 from wedmcam.diag import has_errors
-from wedmcam.frontends import stated
+from wedmcam.frontends import describe_blocks
 from wedmcam.targets import Entries
 
 
@@ -54,7 +54,7 @@ def dump_command(
     print_findings(findings, shown_name(file))
     if program is None:
         return 1
-    texts = stated(data, machine_read)
+    texts = describe_blocks(data, machine_read)
     if json_:
         rows = dump_rows(program, machine_read)
         print_json([{**r, "stated": texts[r["where"]]} if r["where"] in texts else r for r in rows])

@@ -456,6 +456,39 @@ def _merge(
     return Program(blocks, spans=spans, words=named), starts
 
 
+class _TextTeller:
+    """Collects findings about the text around the records, by offset."""
+
+    def __init__(self, text: Plain, spans: TextSpans) -> None:
+        self.found: list[tuple[int, Diagnostic]] = []
+        self._text, self._spans = text, spans
+
+    def __call__(
+        self,
+        severity: Severity,
+        code: str,
+        places: list[tuple[int, int]],
+        template: str,
+        values: Callable[[int, int], Mapping[str, object]] | None = None,
+        hint: str | None = None,
+    ) -> None:
+        """Report places (start, end); values of a place, ``text`` as it stands there if None."""
+        for rank, diagnostic in listed(
+            severity,
+            code,
+            list(range(len(places))),
+            lambda i: self._spans.at(places[i][0], places[i][1] - places[i][0]),
+            template,
+            lambda i: (self.quoted if values is None else values)(*places[i]),
+            hint,
+        ):
+            self.found.append((places[rank][0], diagnostic))
+
+    def quoted(self, a: int, b: int) -> dict[str, object]:
+        """Return the text of a place as a value."""
+        return {"text": self._text.excerpt(a, b)}
+
+
 def _surroundings(
     gaps: _Gaps,
     spans: TextSpans,
@@ -464,92 +497,72 @@ def _surroundings(
     records: Records,
 ) -> list[tuple[int, Diagnostic]]:
     """Return findings about the text around the records, by offset."""
-    found: list[tuple[int, Diagnostic]] = []
-    excerpt = gaps.plain.excerpt
-
-    def tell(
-        severity: Severity,
-        code: str,
-        places: list[tuple[int, int]],
-        template: str,
-        values: Callable[[int, int], Mapping[str, object]] | None = None,
-        hint: str | None = None,
-    ) -> None:
-        for rank, diagnostic in listed(
-            severity,
-            code,
-            list(range(len(places))),
-            lambda i: spans.at(places[i][0], places[i][1] - places[i][0]),
-            template,
-            lambda i: values(*places[i]) if values is not None else {},
-            hint,
-        ):
-            found.append((places[rank][0], diagnostic))
-
-    def quoted(a: int, b: int) -> dict[str, object]:
-        return {"text": excerpt(a, b)}
-
-    err, warn, note = Severity.ERROR, Severity.WARNING, Severity.NOTE
-    tell(
-        err,
-        "bad-record",
-        gaps.bad,
-        "'{text}' is no 3B record: {reason}",
-        lambda a, b: {
-            "text": excerpt(a, b),
-            "reason": _why(gaps.plain.codes[a : min(b, a + _LONG)]),
-        },
-    )
-    tell(
-        err,
-        "unsupported-4b",
-        gaps.four,
-        "'{text}' is a 4B record (its fourth field is the radius)",
-        quoted,
-        hint="read it as 4B (--format 4b, or a name that ends in .4b); convert makes 3B of it",
-    )
+    tell = _TextTeller(gaps.plain, spans)
+    _tell_fragments(tell, gaps)
     dropped = np.flatnonzero(commented)
     tell(
-        warn,
+        Severity.WARNING,
         "commented-record",
         [(int(records.start[i]), int(records.end[i])) for i in dropped[:1]] * len(dropped),
         "record '{text}' stands in a comment and was not read",
-        quoted,
     )
-    words = [(a, b) for a, b, kind in gaps.words if kind == Kind.WORD]
-    known = machine.words
+    _tell_control_words(tell, gaps, machine)
+    ours = {line.strip() for line in (*machine.layout.header, *machine.layout.footer)}
+    texts = [(a, b) for a, b in gaps.texts if gaps.plain.excerpt(a, b, _LONG) not in ours]
+    tell(Severity.NOTE, "text-skipped", texts, "text around the records: '{text}'")
+    if not machine.layout.end_coordinates:
+        tell(
+            Severity.NOTE,
+            "text-skipped",
+            [(a, a + 1) for a in gaps.coordinates],
+            "end coordinates behind the records are not used",
+            lambda a, b: {},
+        )
+    return tell.found
+
+
+def _tell_fragments(tell: _TextTeller, gaps: _Gaps) -> None:
+    """Refuse what looks like a record and is none of 3B."""
+    codes = gaps.plain.codes
     tell(
-        warn,
+        Severity.ERROR,
+        "bad-record",
+        gaps.bad,
+        "'{text}' is no 3B record: {reason}",
+        lambda a, b: {**tell.quoted(a, b), "reason": _why(codes[a : min(b, a + _LONG)])},
+    )
+    tell(
+        Severity.ERROR,
+        "unsupported-4b",
+        gaps.four,
+        "'{text}' is a 4B record (its fourth field is the radius)",
+        hint="read it as 4B (--format 4b, or a name that ends in .4b); convert makes 3B of it",
+    )
+
+
+def _tell_control_words(tell: _TextTeller, gaps: _Gaps, machine: Machine) -> None:
+    """Warn of control words that the machine has not, and of those within other text."""
+    words = machine.words
+    tell(
+        Severity.WARNING,
         "unknown-word",
-        words,
+        [(a, b) for a, b, kind in gaps.words if kind == Kind.WORD],
         "'{text}' is no control word of {machine}; kept as it is",
         lambda a, b: {
-            "text": excerpt(a, b),
+            **tell.quoted(a, b),
             "machine": machine.name,
-            "pause": known.pause,
-            "stop": known.stop,
-            "end": known.end,
+            "pause": words.pause,
+            "stop": words.stop,
+            "end": words.end,
         },
         hint="known are {pause} (pause), {stop} (stop) and {end} (end)",
     )
     tell(
-        warn,
+        Severity.WARNING,
         "hidden-control-word",
         gaps.hidden,
         "'{text}' stands in a line of other text and was not read",
-        quoted,
     )
-    ours = {line.strip() for line in (*machine.layout.header, *machine.layout.footer)}
-    texts = [(a, b) for a, b in gaps.texts if excerpt(a, b, _LONG) not in ours]
-    tell(note, "text-skipped", texts, "text around the records: '{text}'", quoted)
-    if not machine.layout.end_coordinates:
-        tell(
-            note,
-            "text-skipped",
-            [(a, a + 1) for a in gaps.coordinates],
-            "end coordinates behind the records are not used",
-        )
-    return found
 
 
 def _sequence(

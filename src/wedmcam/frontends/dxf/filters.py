@@ -43,14 +43,14 @@ class Look:
 TOP = Look("", "7")
 
 
-def look_of(entity: Any, stated: Any) -> Look | None:
+def look_of(entity: Any, value_of_group: Any) -> Look | None:
     """Return how an entity says that it is drawn; None where it leaves all to its layer.
 
-    ``stated``: what finds a group of an entity of an unknown type.
+    ``value_of_group``: what finds a group of an entity of an unknown type.
     """
     dxf = entity.dxf
     if hasattr(entity, "xtags"):
-        linetype, index, rgb = (stated(entity, code, None) for code in (6, 62, 420))
+        linetype, index, rgb = (value_of_group(entity, code, None) for code in (6, 62, 420))
     else:
         there = dxf.hasattr
         linetype = dxf.linetype if there("linetype") else None
@@ -205,7 +205,7 @@ def _with_nearest(unmatched: Diagnostic, word: str, there: list[str], what: str)
 
 def _there(doc: Any, type_of: Any) -> dict[str, set[str]]:
     """Return the names of layers, types, line types and colours that a drawing has."""
-    from wedmcam.frontends.dxf.shapes import layer_of, stated
+    from wedmcam.frontends.dxf.shapes import layer_of, value_of_group
 
     looks = LayerLooks(doc.layers)
     layers = {str(layer.dxf.get("name", "")) for layer in doc.layers}
@@ -217,7 +217,7 @@ def _there(doc: Any, type_of: Any) -> dict[str, set[str]]:
             layer = layer_of(entity)
             layers.add(layer)
             kinds.add(type_of(entity))
-            look = looks.seen(look_of(entity, stated), layer, TOP)
+            look = looks.seen(look_of(entity, value_of_group), layer, TOP)
             linetypes.add(look.linetype or "CONTINUOUS")
             colours.add(look.colour or "7")
     linetypes = {name for name in linetypes if name.lower() not in ("bylayer", "byblock", "")}

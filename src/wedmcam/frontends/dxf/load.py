@@ -43,7 +43,7 @@ from wedmcam.diag import (
 )
 from wedmcam.diag.lists import Listing
 from wedmcam.frontends.dxf.kinds import GEOMETRY, WITH_BOUNDS
-from wedmcam.frontends.dxf.repairs import COMMENT, drawn, repaired, written
+from wedmcam.frontends.dxf.repairs import COMMENT, find_repairs, marks_of_entities, text_with
 from wedmcam.frontends.dxf.salvage import Hopeless, Unreadable, salvage
 from wedmcam.frontends.dxf.tags import (
     BINARY,
@@ -120,12 +120,12 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         return None, (large,)
     if data.startswith(BINARY):
         tags = tags_of_binary(data, file, encoding_of_binary(data))
-        edits, found = repaired(tags)
+        edits, found = find_repairs(tags)
         found = [*_behind(tags), *_misplaced(tags), *found]
         if not edits:
-            return _parsed(None, tags, Header(), found)
-        text = written(tags, edits)
-        return _parsed(text, tags, _header(text.encode("latin-1", "replace")), found)
+            return _parse(None, tags, Header(), found)
+        text = text_with(tags, edits)
+        return _parse(text, tags, _header(text.encode("latin-1", "replace")), found)
     for magic, what, cure in OTHERS:
         if data[:64].lstrip().startswith(magic):
             return None, (
@@ -162,14 +162,14 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         )
     tags = tags_of_text(text, file)
     found = [*_behind(tags), *_misplaced(tags)]
-    edits, notes = repaired(tags)
+    edits, notes = find_repairs(tags)
     found += notes
     if edits:
-        text = written(tags, edits)
+        text = text_with(tags, edits)
     elif tags.behind is not None:
         text = tags.text()
     text, version_notes = _with_version(text, header, where)
-    return _parsed(text, tags, header, [*found, *version_notes])
+    return _parse(text, tags, header, [*found, *version_notes])
 
 
 def _too_large(data: bytes, where: FileSpan) -> Diagnostic | None:
@@ -233,7 +233,7 @@ def _misplaced(tags: Tags) -> list[Diagnostic]:
     """Return errors about what ezdxf passes over, because its head or an end is missing."""
     if tags.end is None or (tags.codes == NO_CODE).any():  # its pairs are not what they seem
         return []
-    inside = drawn(tags)
+    inside = marks_of_entities(tags)
     numbers = [tags.names[kind] for kind in GEOMETRY | WITH_BOUNDS if kind in tags.names]
     lost = np.flatnonzero(np.isin(tags.kinds, numbers) & ~inside).tolist()
     findings: list[Diagnostic] = []
@@ -444,7 +444,7 @@ def _with_version(text: str, header: Header, where: FileSpan) -> tuple[str, list
 # --- ezdxf ----------------------------------------------------------------------------------
 
 
-def _parsed(
+def _parse(
     text: str | None, tags: Tags, header: Header, found: list[Diagnostic]
 ) -> tuple[Loaded | None, tuple[Diagnostic, ...]]:
     """Return the document that ezdxf reads from the text, or from the tags where that is None."""
@@ -465,7 +465,7 @@ def _parsed(
             doc.modelspace()  # a broken layout dictionary shows only now
         lost = _lost(_stated(tags), doc)
     except Exception as why:  # ezdxf raises whatever a broken file makes it stumble over
-        lines = tags.lines or written(tags, {}).split("\n")
+        lines = tags.lines or text_with(tags, {}).split("\n")
         if text is None:
             header = _header("\n".join(lines).encode("latin-1", "replace"))
         try:
@@ -627,7 +627,7 @@ def _text(value: object) -> str | None:
 
 def _stated(tags: Tags) -> Counter[str]:
     """Return how many entities of each type the file states."""
-    many = np.bincount(tags.kinds[drawn(tags)], minlength=len(tags.names))
+    many = np.bincount(tags.kinds[marks_of_entities(tags)], minlength=len(tags.names))
     return Counter({name: int(many[number]) for name, number in tags.names.items()})
 
 

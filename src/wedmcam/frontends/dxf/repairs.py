@@ -51,14 +51,14 @@ COMMENT = 999
 NAMED = 5
 
 
-def repaired(tags: Tags) -> tuple[Edits, list[Diagnostic]]:
+def find_repairs(tags: Tags) -> tuple[Edits, list[Diagnostic]]:
     """Return the entities that are to be read otherwise than they stand there, and notes."""
     edits: Edits = {}
     found = [*_markers(tags, edits), *_handles(tags, edits)]
     return edits, found
 
 
-def written(tags: Tags, edits: Edits) -> str:
+def text_with(tags: Tags, edits: Edits) -> str:
     """Return a drawing as text, with the entities of ``edits`` anew."""
     out: list[str] = []
     first = int(tags.marks[0]) if len(tags.marks) else len(tags.codes)
@@ -89,7 +89,7 @@ def tags_of(tags: Tags, mark: int) -> list[Tag]:
     ]
 
 
-def drawn(tags: Tags) -> NDArray[np.bool_]:
+def marks_of_entities(tags: Tags) -> NDArray[np.bool_]:
     """Return which marks are in the sections that hold entities."""
     inside = np.zeros(len(tags.marks), np.bool_)
     for name, first, end in tags.sections:
@@ -133,7 +133,7 @@ def _unlike(tags: Tags) -> NDArray[np.int64]:
     own_of = {tags.names[kind]: own for kind, own in MARKERS.items() if kind in tags.names}
     if not own_of:
         return np.zeros(0, np.int64)
-    marks = np.flatnonzero(drawn(tags) & np.isin(tags.kinds, list(own_of)))
+    marks = np.flatnonzero(marks_of_entities(tags) & np.isin(tags.kinds, list(own_of)))
     if not len(marks):
         return marks
     first, last = tags.marks[marks], np.append(tags.marks, len(tags.codes))[marks + 1]
@@ -238,7 +238,7 @@ def _handles(tags: Tags, edits: Edits) -> Iterator[Diagnostic]:
             handles=shown[:NAMED],
             places=_places(tags, [int(places[k]) for k in wrong]),
         )
-    mine = np.flatnonzero(drawn(tags)[owner]).tolist()
+    mine = np.flatnonzero(marks_of_entities(tags)[owner]).tolist()
     if len({values[k] for k in mine}) == len(mine):
         return
     counts = Counter(values[k] for k in mine)

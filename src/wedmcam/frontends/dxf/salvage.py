@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 from wedmcam.diag import Span
 from wedmcam.frontends.dxf.kinds import GEOMETRY, UNREADABLE, WITH_BOUNDS
-from wedmcam.frontends.dxf.repairs import repaired, written
+from wedmcam.frontends.dxf.repairs import find_repairs, text_with
 from wedmcam.frontends.dxf.tags import PADDING, tags_of_text
 
 #: A group code, a value, and the line of the value, from 0.
@@ -167,8 +167,8 @@ def _headed(source: _Source, body: str) -> str:
 def _mended(text: str) -> str:
     """Return a plain drawing with its markers and handles put right."""
     tags = tags_of_text(text, "")
-    edits, _ = repaired(tags)
-    return written(tags, edits) if edits else text
+    edits, _ = find_repairs(tags)
+    return text_with(tags, edits) if edits else text
 
 
 def _text(group: Group) -> str:

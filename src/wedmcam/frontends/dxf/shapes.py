@@ -129,10 +129,10 @@ class Heap:
         at = len(self.entities)
         self.entities.append((kind, str(entity.dxf.handle), layer))
         dxf = entity.dxf
-        look = look_of(entity, stated)
+        look = look_of(entity, value_of_group)
         if look is not None:
             self.looks[at] = look
-        if dxf.invisible if dxf.hasattr("invisible") else stated(entity, 60, 0):
+        if dxf.invisible if dxf.hasattr("invisible") else value_of_group(entity, 60, 0):
             self.invisible.add(at)
         return at
 
@@ -172,7 +172,7 @@ def gather(
                 heap.others[kind, layer] += 1
                 continue
             to = to or _unsupported
-        converted(heap, entity, kind, layer, to)
+        convert_entity(heap, entity, kind, layer, to)
     heap.segments = segments_of(heap)
     return heap
 
@@ -180,16 +180,16 @@ def gather(
 def layer_of(entity: Entity) -> str:
     """Return the layer of an entity, also of one of an unknown type."""
     if hasattr(entity, "xtags"):  # ezdxf keeps the tags of such a type, and no more
-        return str(stated(entity, 8, "0"))
+        return str(value_of_group(entity, 8, "0"))
     return str(entity.dxf.layer)
 
 
 def is_on_sheet(entity: Entity) -> bool:
     """Return whether an entity of an unknown type is in paper space; of others ezdxf knows it."""
-    return hasattr(entity, "xtags") and bool(stated(entity, 67, 0))
+    return hasattr(entity, "xtags") and bool(value_of_group(entity, 67, 0))
 
 
-def stated(entity: Entity, code: int, default: object) -> object:
+def value_of_group(entity: Entity, code: int, default: object) -> object:
     """Return the first value of a group code of an entity of an unknown type."""
     if not hasattr(entity, "xtags"):
         return default
@@ -212,7 +212,7 @@ def type_of(entity: Entity) -> str:
     return kind
 
 
-def converted(heap: Heap, entity: Entity, kind: str, layer: str, to: Converter) -> None:
+def convert_entity(heap: Heap, entity: Entity, kind: str, layer: str, to: Converter) -> None:
     """Add an entity to a heap; what is wrong with it becomes a problem there."""
     from ezdxf.lldxf.const import DXFError
 

@@ -23,7 +23,7 @@ from wedmcam.frontends.dxf.shapes import (
     Entity,
     Heap,
     _flip,
-    converted,
+    convert_entity,
     is_on_sheet,
     layer_of,
     segments_of,
@@ -98,7 +98,7 @@ def gather(entities: Any, scale: float, filters: Filters, annotation: bool = Fal
             continue
         if entity.dxftype() == UNREADABLE:
             to = unreadable
-        converted(heap, entity, kind, layer, to)
+        convert_entity(heap, entity, kind, layer, to)
     heap.segments = segments_of(heap)
     return heap
 

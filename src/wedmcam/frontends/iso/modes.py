@@ -193,7 +193,7 @@ def _tell_changes(
     """
     n, code = modes.letter, modes.code[rows]
     askew = leads_in.copy()
-    askew[0] = False
+    askew[:1] = False
     askew[1:] &= (code[:-1] == code[1:]) & (d[:-1] != d[1:]) & (d[:-1] >= 0)
     if modes.skewed:
         arc = other & (motion >= 2)

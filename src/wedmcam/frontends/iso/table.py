@@ -30,11 +30,47 @@ class Tables:
     inches: Ints
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Numbers:
+    """The numbers of offsets: the letter that says them, and the number in force at every line."""
+
+    letter: str
+    d: Ints
+
+
 def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Tables) -> Modes | None:
-    """Return the state of compensation at every line; None where there is none, or no table."""
+    """Return the state of compensation at every line; None where there is none, or no table.
+
+    Args:
+        r: takes the findings.
+        comp: the G code of compensation that each line sets, and which lines set one.
+        offsets: the words G41 and G42.
+        tables: what offsets are read by.
+    """
     _tell_tables(r, bool(offsets.any()))
     if not offsets.any():
         return None
+    numbers = _numbers(r)
+    if numbers is None:
+        return None
+    first = int(np.argmax(offsets))
+    filed = _filed(r, tables.inches, (int(r.words.line[first]), int(r.words.start[first])))
+    if filed is None:
+        return None
+    table = _table(r, numbers, offsets, tables, filed)
+    if table is None:
+        return None
+    letter, d = numbers.letter, numbers.d
+    # An offset that a drawing says is no entry.
+    entered = [n for n in np.unique(d[d >= 0]).tolist() if n in filed or not tables.assumed]
+    _tell_diameters(r, table, entered, letter)
+    skewed = r.machine.iso.offset_change == "skewed"
+    mm = r.machine.axes.step_um / 1000
+    return Modes(filled(*comp, 40), comp[1], d, table, letter, skewed, mm)
+
+
+def _numbers(r: Reading) -> _Numbers | None:
+    """Return the numbers of offsets, by D or H; None, with a finding, where they are none."""
     value, has, pointed, _ = column(r, "D")
     letter = "D"
     h_value, h_has, h_pointed, _ = column(r, "H")
@@ -50,8 +86,8 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         return None
     if h_has.any():
         letter, value, has, pointed = "H", h_value, h_has, h_pointed
-    how = r.machine.iso
-    other = has & (how.offset_word not in ("either", letter))
+    offset_word = r.machine.iso.offset_word
+    other = has & (offset_word not in ("either", letter))
     r.tell_lines(
         Severity.ERROR,
         "iso-d",
@@ -60,7 +96,7 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         hint="another profile (--profile-in), or offset_word under [iso] of one of your own",
         letter=letter,
         machine=r.machine.name,
-        offset_word=how.offset_word,
+        offset_word=offset_word,
     )
     if other.any():
         return None
@@ -73,25 +109,31 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
         hint="{letter} with the number of the offset, such as G41 {letter}1",
         letter=letter,
     )
-    if wrong.any():
-        return None
-    d = filled(value, has, -1)
-    used: list[int] = np.unique(d[r.words.line[offsets]]).tolist()
-    first = int(np.argmax(offsets))
-    line, at = int(r.words.line[first]), int(r.words.start[first])
-    filed = _filed(r, tables.inches, (line, at))
-    if filed is None:
-        return None
+    return None if wrong.any() else _Numbers(letter, filled(value, has, -1))
+
+
+def _table(
+    r: Reading, numbers: _Numbers, offsets: Bools, tables: Tables, filed: dict[int, float]
+) -> Table | None:
+    """Return the table that counts; None, with a finding, where it lacks a number in use.
+
+    ``offsets``: the words G41 and G42; ``filed``: the table of the file.
+    """
+    letter, d = numbers.letter, numbers.d
+    lines = r.words.line[offsets]
+    used: list[int] = np.unique(d[lines]).tolist()
     table = _merged(r, tables, filed, np.unique(d).tolist(), letter)
     missing = [n for n in used if n not in filed] if tables.given is None else []
-    if letter == "D" and how.offset_word == "either" and 0 in used and table(0) is None:
+    either = letter == "D" and r.machine.iso.offset_word == "either"
+    if either and 0 in used and table(0) is None:
+        first = int(np.argmax(offsets))
         finding = warning(
             "iso-offsets",
             "D0 is read as no offset; at some machines it is an entry of the table like others",
-            r.spans[line],
+            r.spans[int(lines[0])],
             hint="--d 0=LENGTH says what is entered there",
         )
-        r.found.append((at, finding))
+        r.found.append((int(r.words.start[first]), finding))
         table = _none_for_0(table)
         missing = [n for n in missing if n != 0]
     if missing:
@@ -106,13 +148,7 @@ def modes_of(r: Reading, comp: tuple[Ints, Bools], offsets: Bools, tables: Table
             answers=answers([abs(n) for n in missing]),
         )
         return None
-    counts = np.unique(d[d >= 0]).tolist()
-    # An offset that a drawing says is no entry.
-    entered = [n for n in counts if n in filed or not tables.assumed]
-    _tell_diameters(r, table, entered, letter)
-    skewed = how.offset_change == "skewed"
-    mm = r.machine.axes.step_um / 1000
-    return Modes(filled(*comp, 40), comp[1], d, table, letter, skewed, mm)
+    return table
 
 
 def _none_for_0(table: Table) -> Table:

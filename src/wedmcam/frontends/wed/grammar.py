@@ -116,9 +116,7 @@ def _node(rule: str, children: list[Any]) -> Node | _Inlined:
     return Node(rule, start, end, tuple(items))
 
 
-def parsed(
-    source: Source, entry: str, start: int, end: int
-) -> tuple[Node | None, list[Diagnostic]]:
+def parse(source: Source, entry: str, start: int, end: int) -> tuple[Node | None, list[Diagnostic]]:
     """Return the tree of characters ``start`` up to ``end``, or what is wrong with them."""
     from lark import TextSlice
     from lark.exceptions import UnexpectedInput

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from wedmcam.diag import Diagnostic, TextSpan, error, has_errors, option_texts, warning
 from wedmcam.frontends.wed.blocks import SAME_PLACE_UM, Builder, Chain, minus, size
 from wedmcam.frontends.wed.chunks import RESERVED, Piece, Source, pieces
-from wedmcam.frontends.wed.grammar import Node, parsed
+from wedmcam.frontends.wed.grammar import Node, parse
 from wedmcam.frontends.wed.numbers import Number, Numbers, Point, Wrong, wrong
 from wedmcam.frontends.wed.values import FACTORS, KNOWN, Scope, Stop, Value, kind_of, near
 from wedmcam.ir.contour import Contour
@@ -89,7 +89,7 @@ def parse_transform(
         start = at + len(stage) - len(stage.lstrip())
         end = max(at + len(stage.rstrip()), start)
         at += len(stage) + 1
-        tree, found = parsed(source, "transform", start, end)
+        tree, found = parse(source, "transform", start, end)
         scope.found += found
         if tree is not None:
             with contextlib.suppress(Stop):
@@ -121,7 +121,7 @@ class _Reader:
             if piece.entry in ("brace", "open"):
                 trees.append((piece, None))
                 continue
-            tree, found = parsed(self.source, piece.entry, piece.start, piece.end)
+            tree, found = parse(self.source, piece.entry, piece.start, piece.end)
             scope.found += found
             trees.append((piece, tree))
         scope.later = {
@@ -179,7 +179,7 @@ class _Reader:
                     )
                 )
                 continue
-            tree, found = parsed(source, "expression", len(text) - len(value), len(text))
+            tree, found = parse(source, "expression", len(text) - len(value), len(text))
             self.scope.found += found
             meaning: Value | None = None
             if tree is not None:

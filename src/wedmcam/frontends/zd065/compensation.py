@@ -89,11 +89,12 @@ def senses(data: bytes, machine: Machine) -> NDArray[np.int64]:
     return out
 
 
-def stated(data: bytes, machine: Machine) -> dict[str, str]:
+def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:
     """Return what each arc states beside x, y and J, for people, by its address.
 
     >>> from wedmcam.machines import default
-    >>> stated(bytes.fromhex("24 01 00002000 00000000 00002000 002828 00"), default("compensation"))
+    >>> data = bytes.fromhex("24 01 00002000 00000000 00002000 002828 00")
+    >>> describe_blocks(data, default("compensation"))
     {'0x0000': 'R 2.000 mm, grows outwards'}
     """
     s, figure = _fields(data, "", machine)

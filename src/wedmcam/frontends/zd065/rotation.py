@@ -60,11 +60,11 @@ def decode(
     return program, found
 
 
-def stated(data: bytes, machine: Machine) -> dict[str, str]:
+def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:
     """Return what each polar block states, for people, by its address.
 
     >>> from wedmcam.machines import default
-    >>> stated(bytes.fromhex("01 02 30000000 020000 00"), default("rotation"))
+    >>> describe_blocks(bytes.fromhex("01 02 30000000 020000 00"), default("rotation"))
     {'0x0000': 'heading 30 deg, length 20.000 mm'}
     """
     s, figure = _fields(data, "", machine)

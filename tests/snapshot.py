@@ -168,7 +168,7 @@ def plan_of(data: bytes, name: str, options: Any) -> str:
         else:
             plan = pipeline.plan(pipeline.read(data, name, options, run), options, run)
     except Refused:
-        return ",".join(sorted({d.code for d in run.found if d.severity.name == "ERROR"}))
+        return ",".join(sorted({d.code for d in run.findings if d.severity.name == "ERROR"}))
     digest = hashlib.sha256()
 
     def add(contour: Any) -> None:

@@ -212,7 +212,7 @@ def passes(made: Any, program: Program, ours: bool) -> bool:
         proof.placed(program, made.plan, target_of(made.machine), made.options, how, run)
     except Refused:
         return False
-    return all(d.severity < Severity.ERROR for d in run.found)
+    return all(d.severity < Severity.ERROR for d in run.findings)
 
 
 def counted(made: Any) -> str:

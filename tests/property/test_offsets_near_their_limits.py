@@ -61,7 +61,7 @@ def outcome(contours, profile="b3-compact", **options):
         plan = pipeline.plan_of(drawn, asked, [target], run)
         pipeline.compiled(plan, target, asked, run)
     except Refused as why:
-        return why.stage, [d for d in run.found if d.severity is Severity.ERROR]
+        return why.stage, [d for d in run.findings if d.severity is Severity.ERROR]
     return "", []
 
 

@@ -140,10 +140,10 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
     moves = np.flatnonzero(kinds == Kind.MOVE)
     if not len(cuts):
         return program, []
-    found = []
+    findings = []
     before, behind = moves[moves < cuts[0]], moves[moves > cuts[-1]]
     if len(before):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "the program begins with a move; the part program starts where it ends: moves go "
@@ -152,7 +152,7 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
             )
         )
     if len(behind):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "the program ends with a move; the part program ends where it starts: moves go "
@@ -160,7 +160,7 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
                 _span(program, int(behind[0])),
             )
         )
-    if not found:
+    if not findings:
         return program, []
     first = int(cuts[0]) if len(before) else 0
     last = int(cuts[-1]) + 1 if len(behind) else len(kinds)
@@ -169,7 +169,7 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
     number = {int(old): new for new, old in enumerate(keep)}
     spans = [program.spans[i] for i in keep.tolist()] if len(program.spans) == len(kinds) else ()
     words = tuple((number[i], word) for i, word in program.words if i in number)
-    return replace(program, blocks=program.blocks[keep], spans=spans, words=words), found
+    return replace(program, blocks=program.blocks[keep], spans=spans, words=words), findings
 
 
 def hindrance(program: Program, machine: Machine) -> Diagnostic | None:

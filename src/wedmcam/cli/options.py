@@ -248,8 +248,8 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
         raise WrongUse(f"the profile {why.message}") from None
     except UnicodeDecodeError:
         raise WrongUse(f"{profile}: not UTF-8") from None
-    machine, found = machines.of_file(text, profile)
-    print_findings(found, profile, texts={profile: text})
+    machine, findings = machines.of_file(text, profile)
+    print_findings(findings, profile, texts={profile: text})
     if machine is None:
         raise WrongUse(f"{profile}: this profile cannot be used")
     return api.machine_for(to, machine)

@@ -92,16 +92,16 @@ def proven(
     run: Run,
 ) -> tuple[Program, Verdict]:
     """The bytes are decoded again, run, and compared with the plan and the part."""
-    program, found = target.read(data, name or "program", entries)
-    run.add("decode", new_in_reading(run.found, found))
+    program, findings = target.read(data, name or "program", entries)
+    run.add("decode", new_in_reading(run.findings, findings))
     program = run("decode", (replace(program, origin=lowered.origin), ()))
-    verdict, found = judged(program, plan, target, options)
-    if has_errors(found):
-        found = [*found, *target.advice]
-    return program, run("verify", (verdict, found))
+    verdict, findings = judged(program, plan, target, options)
+    if has_errors(findings):
+        findings = [*findings, *target.advice]
+    return program, run("verify", (verdict, findings))
 
 
-def new_in_reading(said: Sequence[Diagnostic], found: Sequence[Diagnostic]) -> list[Diagnostic]:
+def new_in_reading(said: Sequence[Diagnostic], findings: Sequence[Diagnostic]) -> list[Diagnostic]:
     """Return what the reader of a program of ours finds that was not said before.
 
     Its notes say how it understood a foreign file; and what the writer warned of (the file needs
@@ -110,7 +110,7 @@ def new_in_reading(said: Sequence[Diagnostic], found: Sequence[Diagnostic]) -> l
     codes = {d.code for d in said}
     return [
         d
-        for d in found
+        for d in findings
         if d.severity is Severity.ERROR or (d.severity > Severity.NOTE and d.code not in codes)
     ]
 

@@ -48,7 +48,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     try:
         entries, lowered, data = emitted(plan, target, options, trial)
     except Refused:
-        run.found += trial.found
+        run.findings += trial.findings
         raise
     program, _ = target.read(data, "program", entries)
     program = replace(program, origin=lowered.origin)
@@ -87,7 +87,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     arc = lowered.blocks["kind"] == Kind.ARC
     share[arc] = motion.steps[arc] * (np.pi / 4) * lowered.step_um  # a turn takes 8 R steps
     along = float(share[before].sum())
-    found = remaining(plan, cut - 1, at, along, options.portion.backwards, lowered.step_um)
-    if found is None:
+    findings = remaining(plan, cut - 1, at, along, options.portion.backwards, lowered.step_um)
+    if findings is None:
         raise WrongUse(f"block {n} of the program lies on no contour")
-    return found
+    return findings

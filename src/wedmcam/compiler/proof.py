@@ -58,7 +58,7 @@ class _Judged:
 
     program: Program
     verdict: Verdict
-    found: list[Diagnostic]
+    findings: list[Diagnostic]
 
 
 def given_points(drawn: Drawn, options: Options) -> tuple[tuple[float, float], ...]:
@@ -94,13 +94,13 @@ def placed(
     if not how.ours:
         notes += _other_start(best.program, threads)
     lost = len(best.verdict.cuts) < len(plan.cuts)
-    if not how.ours and lost and has_errors(best.found):
+    if not how.ours and lost and has_errors(best.findings):
         # A contour that was not found tells us little. Followed in the plan's order, the first
         # block that leaves it tells more, if the program is one of this plan at all.
         strict = at(best.program.origin, strict=True)
         if len(strict.verdict.cuts) == len(plan.cuts):
             best = strict
-    run.add("verify", [*notes, *best.found])
+    run.add("verify", [*notes, *best.findings])
     return best.program, best.verdict
 
 
@@ -150,7 +150,7 @@ def _elsewhere(
         if best.verdict.ok
         else "; it fits best if it starts at {start}, and does not prove there"
     )
-    return (replace(first, found=[]) if best.verdict.ok else first), [where]
+    return (replace(first, findings=[]) if best.verdict.ok else first), [where]
 
 
 def _place(at: Steps, step_um: float) -> Place:
@@ -277,17 +277,17 @@ def held_to(
         return of_the_program(certificate, now) if same else []
     if not is_ours(certificate):
         return differences(certificate, now, every) if same else []
-    trial = Run(found=list(planned))
+    trial = Run(findings=list(planned))
     wrote = b""
     with contextlib.suppress(Refused):  # its findings are not the certificate's: that is said
         _, _, wrote = pipeline.emitted(proven.plan, proven.target, proven.options, trial)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if same:
-        derived = [*trial.found, *pipeline.new_in_reading(trial.found, read), *judged]
-        found += differences(certificate, now, derived)
+        derived = [*trial.findings, *pipeline.new_in_reading(trial.findings, read), *judged]
+        findings += differences(certificate, now, derived)
     if wrote and wrote != proven.data:
-        found += _left(certificate, now, proven, wrote)
-    return found
+        findings += _left(certificate, now, proven, wrote)
+    return findings
 
 
 def _left(

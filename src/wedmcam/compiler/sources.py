@@ -148,17 +148,17 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.transforms.layers import Group, split
     from wedmcam.transforms.unread import unread_outlines
 
-    sketch, found = read_dxf(data, file, reading, options.wishes)
+    sketch, findings = read_dxf(data, file, reading, options.wishes)
     if sketch is not None:
         run.values["seen"] = Seen(sketch.segments, sketch)
-    elif any(d.code == "no-units" for d in found):
+    elif any(d.code == "no-units" for d in findings):
         run.values["seen"] = SeenWithoutUnits(data, file, reading)
-    sketch = run("read", (sketch, found))
+    sketch = run("read", (sketch, findings))
     groups, report, drawn = [], ChainReport(), sketch
     every: tuple[Contour, ...] = ()
     for rule, part in run("chain", split(sketch, options.cutting, options.wished)):
-        contours, own, found = chain(part, reading.join_um)
-        run.add("chain", found)
+        contours, own, findings = chain(part, reading.join_um)
+        run.add("chain", findings)
         every, report = every + contours, report.with_(own)
         if reading.transforms:
             drawn, contours = _transformed(sketch, contours, options, run)
@@ -222,7 +222,7 @@ def _transforms(transforms: Sequence[str], run: Run) -> list[Any]:
 
     texts = option_texts("--transform", transforms)
     parsed = [parse_transform(text, name) for name, text in texts.items()]
-    run.add("transform", [d for _, found in parsed for d in found])
+    run.add("transform", [d for _, findings in parsed for d in findings])
     return [t for t, _ in parsed if t is not None]
 
 

@@ -35,7 +35,7 @@ ARRIVES = 10.0
 
 def meet_no_cut(f: Followed) -> Measured:
     """Report the first place at which leads of a cut meet another cut."""
-    found = [
+    findings = [
         error(
             "lead-hits",
             "a lead of cut {cut} meets cut {other} at {place}",
@@ -52,7 +52,7 @@ def meet_no_cut(f: Followed) -> Measured:
             np.array(f.plan.plates),
         )
     ]
-    return Measured(found)
+    return Measured(findings)
 
 
 def hits(

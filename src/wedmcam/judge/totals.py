@@ -92,11 +92,11 @@ def _cuts(way: Walk) -> list[Ints]:
 
 
 def _closure(way: Walk, step_um: float) -> float | None:
-    found = []
+    closures_um = []
     for rows in _cuts(way):
         dx, dy = way.end[rows[-1]] - way.start[rows[0]]
-        found.append(float(np.hypot(dx, dy)) * step_um)
-    closed = [f for f in found if f <= MEANT_CLOSED]
+        closures_um.append(float(np.hypot(dx, dy)) * step_um)
+    closed = [f for f in closures_um if f <= MEANT_CLOSED]
     return max(closed) if closed else None
 
 

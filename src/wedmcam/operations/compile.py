@@ -125,7 +125,7 @@ def compile_plan(
         machine,
         verdict if ok else None,
         summary_of(
-            run.found,
+            run.findings,
             machine,
             issued,
             Files(name, data, output_name, out),
@@ -134,7 +134,7 @@ def compile_plan(
             known,
         ),
         options,
-        tuple(run.found),
+        tuple(run.findings),
         stage,
         made.get("lower"),
         entries,

@@ -47,12 +47,12 @@ def diff(
             (a, b), names, profiles, (first, {**first, **other}), strict=True
         )
     ]
-    found = tuple(d for _, _, some in read for d in some)
+    findings = tuple(d for _, _, some in read for d in some)
     (one, machine_a, _), (two, machine_b, _) = read
     if one is None or two is None:
-        return None, found
+        return None, findings
     steppings = machine_a.stepping, machine_b.stepping
-    return difference(one, two, *steppings, 1000.0 * within_mm), found
+    return difference(one, two, *steppings, 1000.0 * within_mm), findings
 
 
 def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]:

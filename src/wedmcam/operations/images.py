@@ -94,7 +94,7 @@ def metamorphic(
     try:
         drawn, plan = pipeline.planned(data, name, options, [target], run)
     except Refused:
-        return (), run.found
+        return (), run.findings
     images = []
     for isometry in ISOMETRIES:
         moved, asked = _moved(drawn, options, isometry)
@@ -162,18 +162,18 @@ def _image(name: str, drawn: Drawn, options: Options, target: Target, wanted: Pl
     try:
         plan = pipeline.plan_of(drawn, options, [target], run)
         entries, lowered, data = pipeline.emitted(plan, target, options, run)
-        decoded, found = target.read(data, name, entries)
-        run.add("decode", found)
+        decoded, findings = target.read(data, name, entries)
+        run.add("decode", findings)
     except Refused as why:
-        return Image(name, False, None, 0, f"{why.stage} refuses it: {_first(run.found)}")
+        return Image(name, False, None, 0, f"{why.stage} refuses it: {_first(run.findings)}")
     program = replace(decoded, origin=lowered.origin)
-    verdict, found = pipeline.judged(program, wanted, target, options, strict_order=False)
-    text = "" if verdict.ok else _first(found)
+    verdict, findings = pipeline.judged(program, wanted, target, options, strict_order=False)
+    text = "" if verdict.ok else _first(findings)
     return Image(name, verdict.ok, verdict.max_deviation_um, verdict.blocks, text)
 
 
-def _first(found: list[Diagnostic]) -> str:
-    return next((d.message for d in found if d.severity is Severity.ERROR), "")
+def _first(findings: list[Diagnostic]) -> str:
+    return next((d.message for d in findings if d.severity is Severity.ERROR), "")
 
 
 def _elsewhere(drawn: Drawn, options: Options, target: Target, plan: Plan) -> Image:

@@ -50,10 +50,10 @@ def inspect(
         drawn = sources.read(data, name, options, run)
     except Refused:
         seen = run.values.get("seen")
-        return Inspection(None, {"input": name}, tuple(run.found), seen)
+        return Inspection(None, {"input": name}, tuple(run.findings), seen)
     facts, more = facts_of(name, drawn, options)
-    run.found += (*drawn.doubts, *more)
-    return Inspection(drawn, facts, tuple(run.found))
+    run.findings += (*drawn.doubts, *more)
+    return Inspection(drawn, facts, tuple(run.findings))
 
 
 def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any], list[Diagnostic]]:

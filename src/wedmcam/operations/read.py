@@ -85,10 +85,10 @@ def read_program(
         entries = replace(entered or Entries(), dialect=dialect)
         decoded = run("decode", target.read(data, name, entries))
     except Refused:
-        return None, machine, tuple(run.found)
+        return None, machine, tuple(run.findings)
     if entered is None or entered.gap_um is None:
         run.add("decode", target.unstated(decoded))
-    return decoded, machine, tuple(run.found)
+    return decoded, machine, tuple(run.findings)
 
 
 def figures(program: Program, machine: Machine) -> dict[str, Any]:

@@ -66,10 +66,10 @@ def carry(
     """
     blocks = program.blocks
     motion = stepping.run(blocks)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     endless = np.flatnonzero(motion.steps < 0)
     for i in endless[:1].tolist():
-        found.append(
+        findings.append(
             error(
                 "endless-block",
                 "block {block} never ends on its own controller: it is no path to carry over",
@@ -77,15 +77,15 @@ def carry(
                 block=i + 1,
             )
         )
-    if found:
-        return None, found
+    if findings:
+        return None, findings
     kind = blocks["kind"].astype(np.int64)
     moving = kind <= Kind.MOVE
     kept = ~moving | (motion.steps > 0)
     words = dict(program.words)
     lost = np.array([i for i, word in words.items() if not rules.keeps(word)], dtype=np.int64)
     if len(lost):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "control words that have no place in the other format, left out: {words}",
@@ -102,7 +102,7 @@ def carry(
     after = np.arange(len(blocks)) > (stops[0] if len(stops) else len(blocks))
     late = np.flatnonzero(after & moving & kept)
     if len(late):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "{blocks} blocks behind the end of cutting are no part of the path; left out",
@@ -122,7 +122,7 @@ def carry(
     sources = tuple(program.spans)
     if len(sources) != len(blocks):
         made["source"], sources = -1, ()
-    return replace(program, blocks=made, sources=sources, spans=(), words=told), found
+    return replace(program, blocks=made, sources=sources, spans=(), words=told), findings
 
 
 def _span(program: Program, i: int) -> Span | None:

@@ -83,21 +83,21 @@ class Scaled(Stated):
         sharp: bool = False,
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
-        found = gap.corners(plan, self.instead)
-        if has_errors(found):
-            return None, found
+        findings = gap.corners(plan, self.instead)
+        if has_errors(findings):
+            return None, findings
         grows = gap.arc_growth(plan, program)
         data, more = self._encoded(program, grown=grows, **_stated(entries))
         if data and not has_errors(more):
             more = [*more, *self._torn(data, plan, entries)]
-        return data, [*found, *more]
+        return data, [*findings, *more]
 
     def _torn(self, data: bytes, plan: Plan, entries: Entries) -> list[Diagnostic]:
         """Return errors where the written outline is not tangent enough for the controller.
 
         Exact joints are (`gap.corners`); rounded to the grid, blocks of a few um are not.
         """
-        _, found = self.read(data, "program", entries)
+        _, findings = self.read(data, "program", entries)
         x, y = plan.cuts[0].thread
         return [
             replace(d, span=None, hint_template=None).extended(
@@ -106,7 +106,7 @@ class Scaled(Stated):
                 program_start=Place.of_um(x, y),
                 instead=self.instead,
             )
-            for d in found
+            for d in findings
             if d.severity is Severity.ERROR
         ]
 
@@ -159,14 +159,14 @@ class Scaled(Stated):
                 )
             ]
         stated = _stated(entries)
-        grows, found = arc_growth(program, self.machine, stated["gap_um"], entries.outwards)
+        grows, findings = arc_growth(program, self.machine, stated["gap_um"], entries.outwards)
         if grows is not None:
             stated["grown"] = grows
-            said += found
+            said += findings
         elif entries.gap_um:
-            return None, found
+            return None, findings
         else:  # with a gap of 0 the path is right all the same
-            said += [replace(d, severity=Severity.WARNING) for d in found]
+            said += [replace(d, severity=Severity.WARNING) for d in findings]
         data, more = self._encoded(program, **stated)
         return data, [*said, *more]
 

@@ -96,10 +96,10 @@ def split(
         mine = of == number
         if mine.any():
             groups.append((rule, replace(sketch, segments=sketch.segments[mine])))
-    found = _missing(cut, cutting, wished)
-    if not found and "clearance_um" in wished and cutting.clearance_um:
-        found = _untaken([rule for rule, _ in groups], cutting)
-    return groups or [(rule_of("", cutting), sketch)], found
+    findings = _missing(cut, cutting, wished)
+    if not findings and "clearance_um" in wished and cutting.clearance_um:
+        findings = _untaken([rule for rule, _ in groups], cutting)
+    return groups or [(rule_of("", cutting), sketch)], findings
 
 
 def _untaken(rules: Sequence[Rule], cutting: Cutting) -> list[Diagnostic]:

@@ -54,19 +54,19 @@ def encode(
     Returns:
         The bytes, empty when there is an error.
     """
-    _, found = encode_compact(program, machine)
-    found = [d for d in found if d.code != "over-memory"]
-    if has_errors(found):
-        return b"", found
+    _, findings = encode_compact(program, machine)
+    findings = [d for d in findings if d.code != "over-memory"]
+    if has_errors(findings):
+        return b"", findings
     checks = Checks(program)
     figure = outline_of(
         program, machine, checks, gap_um, outwards, grown, compensation.MOST_GAP_UM, "compact"
     )
-    found += checks.found
+    findings += checks.findings
     if figure is None:
-        return b"", found
+        return b"", findings
     memory = _memory_of(figure)
-    return memory.data.tobytes(), [*found, *memory.too_large(machine)]
+    return memory.data.tobytes(), [*findings, *memory.too_large(machine)]
 
 
 def outline_of(

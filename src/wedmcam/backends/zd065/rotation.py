@@ -38,10 +38,10 @@ def encode(
     Returns:
         The bytes, empty when there is an error.
     """
-    _, found = encode_compact(program, machine)
-    found = [d for d in found if d.code != "over-memory"]
-    if has_errors(found):
-        return b"", found
+    _, findings = encode_compact(program, machine)
+    findings = [d for d in findings if d.code != "over-memory"]
+    if has_errors(findings):
+        return b"", findings
     blocks = program.blocks
     kind = blocks["kind"]
     arc = kind == Kind.ARC
@@ -66,11 +66,11 @@ def encode(
         "block {block}: no angle of 8 digits and whole R give this block",
         hint="--to compact holds it as it is",
     )
-    found += checks.found
+    findings += checks.findings
     if checks.failed:
-        return b"", found
+        return b"", findings
     memory = _memory_of(blocks, figure, x, y)
-    return memory.data.tobytes(), [*found, *memory.too_large(machine)]
+    return memory.data.tobytes(), [*findings, *memory.too_large(machine)]
 
 
 def polar(blocks: NDArray[np.void], x: Ints, y: Ints) -> tuple[NDArray[np.void], NDArray[np.bool_]]:

@@ -50,9 +50,9 @@ def cuts_of(
     only: list[Collection[int]] = [mine for n, mine in own.items() for _ in asked[n].starts]
     if scene.starts is not None:
         threads, only = list(scene.starts), [range(len(paths))] * len(scene.starts)
-    threaded, found = lead(paths, threads, leading.lead_um, only, words.thread_point)
+    threaded, findings = lead(paths, threads, leading.lead_um, only, words.thread_point)
     if threaded is None:
-        return [], found
+        return [], findings
     parents = parents_of([p.contour for p in paths], scene.nesting.parents)
     drawn = [int(p.outline.vertices["source"].min(initial=1 << 30)) for p in paths]
     # A part program cuts every scene inner contours first: one cut of it speaks for all.
@@ -83,12 +83,12 @@ def cuts_of(
         )
         made.append((cut_of[k], cut))
         if item.lead is not None and not one.measured:
-            found.append(_idle_lead(asked[cut_of[k]]))
-    found += _too_long(made, asked, words)
+            findings.append(_idle_lead(asked[cut_of[k]]))
+    findings += _too_long(made, asked, words)
     for n, mine in own.items():
         turned = [paths[k] for k in sorted(mine) if _turned(paths[k], threaded[k])]
-        found += _overruled(turned, asked[n], leading.reverse and used.wished("reverse"), words)
-    return made, found
+        findings += _overruled(turned, asked[n], leading.reverse and used.wished("reverse"), words)
+    return made, findings
 
 
 def _idle_lead(asked: ShapedCut) -> Diagnostic:
@@ -134,7 +134,7 @@ def _too_long(
     made: Sequence[tuple[int, Cut]], asked: Sequence[ShapedCut], words: Wording
 ) -> list[Diagnostic]:
     """Return errors where a stop or an overcut is longer than the path."""
-    found = []
+    findings = []
     for name in ("stop", "overcut"):
         for number, cut in made:
             length = cut.stop_um if name == "stop" else cut.overcut_um
@@ -143,7 +143,7 @@ def _too_long(
             whole = measure.length(cut.path.vertices, cut.path.closed)
             if length < whole - 1.0:
                 continue
-            found.append(
+            findings.append(
                 error(
                     f"{name}-too-long",
                     "'{option}' of {length_mm:.3f} mm is longer than the path of {path_mm:.3f} mm"
@@ -158,4 +158,4 @@ def _too_long(
                     start=Place.of_um(*cut.thread),
                 )
             )
-    return found
+    return findings

@@ -308,10 +308,10 @@ def _records(
         form += f"{gap};{gap}%.3f{gap},{gap}%.3f"
         ex, ey = (positions[rows] / 1000).T.tolist()
         columns += [ex, ey]
-    made = [form % row for row in zip(*columns, strict=True)]
+    lines = [form % row for row in zip(*columns, strict=True)]
     if cutting.all():
-        return made
-    texts = iter(made)
+        return lines
+    texts = iter(lines)
     return [
         next(texts) if kind <= Kind.MOVE else words[i] if kind == Kind.WORD else controls[kind]
         for kind, i in zip(kinds.tolist(), order.tolist(), strict=True)

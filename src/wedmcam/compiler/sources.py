@@ -234,13 +234,13 @@ def _transformed(
     from wedmcam.transforms.meetings import contour_meetings
 
     whole = figures.Sequence(tuple(_transforms(options.drawing.transforms, run)))
-    made = run(
+    result = run(
         "transform",
         figures.transformed(contours, whole, arithmetic(options.arithmetic), sketch.thread_points),
     )
     run.add("transform", figures.idle_reverse(contours, whole))
-    contours = figures.counter_clockwise(made[0])
-    moved = replace(sketch, thread_points=made[1])
+    contours = figures.counter_clockwise(result[0])
+    moved = replace(sketch, thread_points=result[1])
     run.values["seen"] = Seen(rows_of(contours), moved)
     run.add("transform", contour_meetings(contours))
     return moved, contours

@@ -148,6 +148,6 @@ def compensated(figure: NDArray[np.void], gap_um: int, outwards: bool = True) ->
         factor = _number(radius + sign * gap_um) / _number(radius)
         for column in (x, y, count):
             column[arc] = _whole(_number(column[arc]) * factor)
-    made = np.asarray(_blocks(figure["kind"], figure["turn"], x, y, count))
-    made["axis"][arc] = figure["axis"][arc]
-    return made
+    blocks = np.asarray(_blocks(figure["kind"], figure["turn"], x, y, count))
+    blocks["axis"][arc] = figure["axis"][arc]
+    return blocks

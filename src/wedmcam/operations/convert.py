@@ -133,8 +133,8 @@ def convert(
         WrongUse: an unknown format or profile.
         OSError: the path cannot be read.
 
-    >>> made = convert(b"B17000B5000B17000GXL1 DD", to="compact")
-    >>> made.data.hex(" ")
+    >>> conversion = convert(b"B17000B5000B17000GXL1 DD", to="compact")
+    >>> conversion.data.hex(" ")
     '01 01 70 00 00 50 00 00'
     """
     entries = entered or Entries()

@@ -51,10 +51,10 @@ def compile_loads(
     data, name = bytes_of(source, name)
     run = Run(options.judging.strict)
     refused = planned_for(data, name, options, [profile], run)
-    made: list[Compilation] = []
+    loads: list[Compilation] = []
 
     def load_of(asked: Options, output: str) -> Compilation:
-        trial, said = run.forked(), named or bool(made)  # said once
+        trial, said = run.forked(), named or bool(loads)  # said once
         return compile_plan(data, name, profile, asked, trial, output, refused, named=said)
 
     whole = load_of(options, output_name)
@@ -65,12 +65,12 @@ def compile_loads(
     while groups:
         low, high = groups.pop(0)
         asked = replace(options, portion=Portion(cuts=(first + low, first + high)))
-        load = load_of(asked, numbered(output_name, len(made) + 1))
+        load = load_of(asked, numbered(output_name, len(loads) + 1))
         if load.ok and _too_large(load) and high > low:
             groups[:0] = [(low, high - 1), (high, high)]  # the sizes are estimates
             continue
-        made.append(load)
-    return tuple(made)
+        loads.append(load)
+    return tuple(loads)
 
 
 def numbered(name: str, number: int) -> str:
@@ -84,8 +84,8 @@ def numbered(name: str, number: int) -> str:
     return f"{folder}{slash}{stem}-{number}{dot}{ending}" if stem else f"{name}-{number}"
 
 
-def _too_large(made: Compilation) -> bool:
-    return any(d.code == "over-memory" for d in made.findings)
+def _too_large(compilation: Compilation) -> bool:
+    return any(d.code == "over-memory" for d in compilation.findings)
 
 
 def _groups(whole: Compilation) -> list[tuple[int, int]]:

@@ -72,9 +72,9 @@ def behaviours(pauses: bool = True) -> Iterator[Behaviour]:
         yield from (Behaviour(pause="ends"), Behaviour(pause="nothing"))
         return
     for values in product(*_VALUES.values()):
-        made = Behaviour(**dict(zip(_VALUES, values, strict=True)))  # type: ignore[arg-type]
-        if not (made.table == "stated" and made.zeros == "run"):
-            yield made
+        behaviour = Behaviour(**dict(zip(_VALUES, values, strict=True)))  # type: ignore[arg-type]
+        if not (behaviour.table == "stated" and behaviour.zeros == "run"):
+            yield behaviour
 
 
 class Stop(NamedTuple):

@@ -228,13 +228,13 @@ def _nearest(
     ok = (tried["count"] > 0) & (np.sign(tried["x"]) * np.sign(block["x"]) >= 0)
     ok &= np.sign(tried["y"]) * np.sign(block["y"]) >= 0
     tried = tried[ok]
-    made = compensated(tried, gap_um, outwards)
-    keep = made["x"].astype(np.int64) ** 2 + made["y"].astype(np.int64) ** 2 >= 2
-    tried, made = tried[keep], made[keep]
+    path = compensated(tried, gap_um, outwards)
+    keep = path["x"].astype(np.int64) ** 2 + path["y"].astype(np.int64) ** 2 >= 2
+    tried, path = tried[keep], path[keep]
     if not len(tried):
         return base[:1]
-    moved, wanted = MIRROR.run(made), MIRROR.run(block)
-    start = np.hypot(made["x"] - block["x"][0], made["y"] - block["y"][0])
+    moved, wanted = MIRROR.run(path), MIRROR.run(block)
+    start = np.hypot(path["x"] - block["x"][0], path["y"] - block["y"][0])
     end = np.hypot(moved.dx - wanted.dx[0], moved.dy - wanted.dy[0])
     best = int(np.lexsort((start + end, np.maximum(start, end)))[0])
     chosen: NDArray[np.void] = tried[best : best + 1]
@@ -251,8 +251,8 @@ def closed(
     """
     blocks = program.blocks
     lost = np.zeros(len(blocks), dtype=bool)
-    made = compensated(figure, gap_um, outwards)
-    have, want = stepping.run(made), stepping.run(blocks)
+    path = compensated(figure, gap_um, outwards)
+    have, want = stepping.run(path), stepping.run(blocks)
     off_x, off_y = have.dx - want.dx, have.dy - want.dy
     arc = blocks["kind"] == Kind.ARC
     if not (arc & ((off_x != 0) | (off_y != 0))).any():

@@ -126,9 +126,9 @@ def _find_sweeps(
         exponent, significand = rotation.angle_fields(np.clip(sweep, 0.0, 999.0))
         sweep = rotation.angle_value(exponent, significand)
         figure["sweep"][of] = np.where(arc[todo], sweep, 0.0)
-        made = rotated(figure[of])
-        same = (made["x"] == x[of]) & (made["y"] == y[of])
-        good[todo] = same & (~arc[todo] | (made["count"] == count[todo]))
+        path = rotated(figure[of])
+        same = (path["x"] == x[of]) & (path["y"] == y[of])
+        good[todo] = same & (~arc[todo] | (path["count"] == count[todo]))
     return good
 
 

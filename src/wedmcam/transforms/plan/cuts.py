@@ -57,7 +57,7 @@ def cuts_of(
     drawn = [int(p.outline.vertices["source"].min(initial=1 << 30)) for p in paths]
     # A part program cuts every scene inner contours first: one cut of it speaks for all.
     how = asked[cut_of[0]].order
-    made = []
+    cuts = []
     for k in order(parents, [t.thread for t in threaded], drawn, how):
         path, one, item = paths[k], threaded[k], asked[cut_of[k]].item
         closed = one.path.closed
@@ -81,14 +81,14 @@ def cuts_of(
             one.stated,
             scene.pieces[path.contour].clearance,
         )
-        made.append((cut_of[k], cut))
+        cuts.append((cut_of[k], cut))
         if item.lead is not None and not one.measured:
             findings.append(_idle_lead(asked[cut_of[k]]))
-    findings += _too_long(made, asked, words)
+    findings += _too_long(cuts, asked, words)
     for n, mine in own.items():
         turned = [paths[k] for k in sorted(mine) if _turned(paths[k], threaded[k])]
         findings += _overruled(turned, asked[n], leading.reverse and used.wished("reverse"), words)
-    return made, findings
+    return cuts, findings
 
 
 def _idle_lead(asked: ShapedCut) -> Diagnostic:
@@ -131,12 +131,12 @@ def _turned(planned: PlannedPath, one: Threaded) -> bool:
 
 
 def _too_long(
-    made: Sequence[tuple[int, Cut]], asked: Sequence[ShapedCut], words: Wording
+    cuts: Sequence[tuple[int, Cut]], asked: Sequence[ShapedCut], words: Wording
 ) -> list[Diagnostic]:
     """Return errors where a stop or an overcut is longer than the path."""
     findings = []
     for name in ("stop", "overcut"):
-        for number, cut in made:
+        for number, cut in cuts:
             length = cut.stop_um if name == "stop" else cut.overcut_um
             if not length:
                 continue

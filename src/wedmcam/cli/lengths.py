@@ -156,10 +156,10 @@ class OfLayer(click.ParamType):  # type: ignore[type-arg]
         """Return (name, value); a wrong one is wrong use."""
         if isinstance(value, tuple):
             return value
-        name, sign, said = str(value).rpartition("=")
+        name, sign, text = str(value).rpartition("=")
         if not sign or not name.strip():
             self.fail(f"'{value}' names no layer: write {self.example}", param, ctx)
-        return name.strip(), self.of.convert(said.strip(), param, ctx)
+        return name.strip(), self.of.convert(text.strip(), param, ctx)
 
 
 CUTS = Cuts()

@@ -101,13 +101,13 @@ def proven(
     return program, run("verify", (verdict, findings))
 
 
-def new_in_reading(said: Sequence[Diagnostic], findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+def new_in_reading(known: Sequence[Diagnostic], findings: Sequence[Diagnostic]) -> list[Diagnostic]:
     """Return what the reader of a program of ours finds that was not said before.
 
     Its notes say how it understood a foreign file; and what the writer warned of (the file needs
     two loads, say) need not be said twice.
     """
-    codes = {d.code for d in said}
+    codes = {d.code for d in known}
     return [
         d
         for d in findings

@@ -202,13 +202,13 @@ def differences(
             figures = {k: v for k, v in figures.items() if not k.startswith(rows)}
     wrong: list[str] = []
     other: list[str] = []
-    asked: list[str] = []
+    options: list[str] = []
     loose = wrong if same_version else other
     for name in [*figures, *(name for name in claims if name not in figures)]:
         if name.startswith(_OPTIONS):
             if not (name in claims and name in figures and _same(claims[name], figures[name])):
                 values = (_shown(of[name]) if name in of else "nothing" for of in (claims, figures))
-                asked.append("the certificate says {} {}, asked for is {}".format(name, *values))
+                options.append("the certificate says {} {}, asked for is {}".format(name, *values))
         elif name not in figures:
             loose.append(f"the certificate says {name} {_shown(claims[name])}, there is none")
         elif name not in claims:
@@ -227,7 +227,7 @@ def differences(
     issued = _shown(stated["version"])
     return [
         *_capped(wrong, error, "the certificate was changed: compile again"),
-        *_capped(asked, note, "what is asked for is proven"),
+        *_capped(options, note, "what is asked for is proven"),
         *_capped(other, note, f"the certificate is of version {issued}"),
     ]
 

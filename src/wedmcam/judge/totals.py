@@ -104,5 +104,5 @@ def _limit(values: Ints, most: int, step_um: float) -> dict[str, float]:
     """Return the largest value, the limit and what is left of it, and the block that has it."""
     row = int(np.argmax(values)) if len(values) and values.any() else -1
     largest = int(values[row]) if row >= 0 else 0
-    told = in_um(np.array([largest, most, most - largest]), step_um).tolist()
-    return dict(zip(("largest", "limit", "margin"), told, strict=True)) | {"block": row + 1}
+    lengths = in_um(np.array([largest, most, most - largest]), step_um).tolist()
+    return dict(zip(("largest", "limit", "margin"), lengths, strict=True)) | {"block": row + 1}

@@ -56,8 +56,8 @@ def meanings(of: type) -> dict[str, str]:
     text = inspect.getdoc(of) or ""
     _, _, listed = text.partition("Attributes:\n")
     found: dict[str, str] = {}
-    for name, said in re.findall(r"^    (\w+): (.*(?:\n(?:        .*|))*)", listed, re.M):
-        found[name] = " ".join(re.sub("`+", "", said).split())
+    for name, meaning in re.findall(r"^    (\w+): (.*(?:\n(?:        .*|))*)", listed, re.M):
+        found[name] = " ".join(re.sub("`+", "", meaning).split())
     return found
 
 
@@ -85,7 +85,7 @@ def entries(machine: Machine | None = None, format_: str | None = None) -> Itera
     wanted = machine.format if machine else format_
     for section, rules in _SCHEMA.items():
         holder: Any = getattr(machine, section) if machine and section else machine
-        said = meanings(section_types()[section]) if section in section_types() else {}
+        of_key = meanings(section_types()[section]) if section in section_types() else {}
         for key, rule in rules.items():
             if wanted is not None and wanted not in rule.formats:
                 continue
@@ -93,7 +93,7 @@ def entries(machine: Machine | None = None, format_: str | None = None) -> Itera
             if value is not None and not (type(value) is rule.of and rule.good(value)):
                 value = None  # 0 for no limit: a profile says that by leaving the key out
             yield Entry(
-                section, key, value, rule.takes, said.get(key, ""), rule.required, rule.formats
+                section, key, value, rule.takes, of_key.get(key, ""), rule.required, rule.formats
             )
         if section == "iso" and (wanted is None or wanted in _ISO):
             yield from _word_entries(machine)

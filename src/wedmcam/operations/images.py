@@ -97,8 +97,10 @@ def metamorphic(
         return (), run.findings
     images = []
     for isometry in ISOMETRIES:
-        moved, asked = _moved(drawn, options, isometry)
-        images.append(_image(isometry.name, moved, asked, target, _plan_moved(plan, isometry)))
+        moved, moved_options = _moved(drawn, options, isometry)
+        images.append(
+            _image(isometry.name, moved, moved_options, target, _plan_moved(plan, isometry))
+        )
     other_way = options.with_values(reverse=not options.leading.reverse)
     images.append(_image("run the other way round", drawn, other_way, target, plan))
     images.append(_elsewhere(drawn, options, target, plan))
@@ -184,13 +186,13 @@ def _elsewhere(drawn: Drawn, options: Options, target: Target, plan: Plan) -> Im
     for away in (ELSEWHERE, ELSEWHERE / 4.0):
         for share in (1 / 2, 1 / 3, 2 / 3):
             points = tuple(_beside(c, share, away) for c in cuts)
-            asked = options.with_values(starts_um=points)
+            threaded = options.with_values(starts_um=points)
             try:
-                pipeline.plan_of(moved, asked, [target], Run())
+                pipeline.plan_of(moved, threaded, [target], Run())
             except Refused:
                 continue
             if points:
-                return _image(name, moved, asked, target, plan)
+                return _image(name, moved, threaded, target, plan)
     return Image(name, True, None, 0, "not tried: no other thread points fit")
 
 

@@ -130,7 +130,7 @@ class _Case:
 
     Attributes:
         data, name: the program.
-        dialect: what is said of an ISO program beside its text.
+        dialect: what the options state of an ISO program beside its text.
         targets: that of the program, and that whose starts the plan has.
         options: how the drawing is cut.
         drawing, drawing_name: what it is compared with; None for nothing.

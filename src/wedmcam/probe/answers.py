@@ -241,7 +241,7 @@ def axes_of(moved: tuple[float, float]) -> Axes | None:
 
     None where that is not two ways, one twice the other.
 
-    >>> axes_of((-2000, 1000)).said, axes_of((5000, 10000)).said
+    >>> axes_of((-2000, 1000)).text, axes_of((5000, 10000)).text
     ('x mirrored', 'x and y exchanged; steps of 5 um')
     """
     x, y = moved

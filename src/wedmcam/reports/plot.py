@@ -58,10 +58,10 @@ def plot(result: Compilation | Proof | Inspection, title: str = "") -> str:
 
 def plot_html(result: Compilation | Proof | Inspection, title: str = "") -> str:
     """Return a page with the picture of `plot` and a table of the blocks, to click in."""
-    said = "\n".join(render(d, title) for d in merged(result.findings))
+    report = "\n".join(render(d, title) for d in merged(result.findings))
     program = None if isinstance(result, Inspection) else result.program
     if isinstance(result, Inspection) or program is None:
-        return page(plot(result, title), title=title, said=said)
+        return page(plot(result, title), title=title, report=report)
     rows = [
         (
             str(row.number),
@@ -75,7 +75,7 @@ def plot_html(result: Compilation | Proof | Inspection, title: str = "") -> str:
     ]
     head = ("block", "at", "what", "J", "end x", "end y")
     known = result.understood if not isinstance(result, Inspection) else None
-    return page(plot(result, title), title=title, head=head, rows=rows, said=said, known=known)
+    return page(plot(result, title), title=title, head=head, rows=rows, report=report, known=known)
 
 
 def path_drawing(program: Program, machine: Machine) -> bytes:

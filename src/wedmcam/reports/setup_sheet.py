@@ -181,7 +181,7 @@ def _loose(compilation: Compilation, zero: tuple[float, float]) -> Table | str:
 def _axes(machine: Machine) -> str:
     """Return how the drawing lies on the machine: which way its axes run there."""
     a = machine.axes
-    if not a.said:
+    if not a.text:
         return "as in the drawing"
     step = f"steps of {a.step_um:g} um" if a.step_um != 1 else ""
     if a.plain:
@@ -299,7 +299,7 @@ def html(parts: list[tuple[str, Any]]) -> str:
     return "\n".join(out) + "\n"
 
 
-def written(
+def write_sheet(
     compilation: Compilation, name: str, file: str, feed_um: float | None = None, **more: Any
 ) -> bytes:
     """Return the sheet in the form that its file's name tells: .html, .txt, else Markdown.
@@ -313,4 +313,4 @@ def written(
     return markdown(parts, inline=ending != "txt").encode("utf-8")
 
 
-__all__ = ["Picture", "html", "markdown", "sheet", "written"]
+__all__ = ["Picture", "html", "markdown", "sheet", "write_sheet"]

@@ -41,7 +41,7 @@ def source_map(
     like = matched(lowered, program, machine)
     source = _lent(lowered)
     words = dict(program.words)
-    said = [span_data(s) for s in lowered.sources]
+    spans = [span_data(s) for s in lowered.sources]
     rows = []
     b, low = program.blocks, lowered.blocks
     for i in range(len(b)):
@@ -61,7 +61,7 @@ def source_map(
         elif kind < Kind.MOVE:
             row["role"] = Role(low["role"][j]).name.lower().replace("_", "-")
             row["cut"] = int(low["cut"][j])
-            row["source"] = said[source[j]] if source[j] >= 0 else None
+            row["source"] = spans[source[j]] if source[j] >= 0 else None
         rows.append(row)
     return {
         "map": VERSION,

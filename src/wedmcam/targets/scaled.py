@@ -149,9 +149,9 @@ class Scaled(Stated):
             return self._encoded(program, grown=np.where(of == 0, 1, of), **stated)
         from wedmcam.targets.outline_side import arc_growth
 
-        said: list[Diagnostic] = []
+        notes: list[Diagnostic] = []
         if entries.gap_um is None and _has_arcs(program):
-            said = [
+            notes = [
                 note(
                     "no-gap",
                     "no gap is given: the program states the path of the wire as its outline",
@@ -162,13 +162,13 @@ class Scaled(Stated):
         grows, findings = arc_growth(program, self.machine, stated["gap_um"], entries.outwards)
         if grows is not None:
             stated["grown"] = grows
-            said += findings
+            notes += findings
         elif entries.gap_um:
             return None, findings
         else:  # with a gap of 0 the path is right all the same
-            said += [replace(d, severity=Severity.WARNING) for d in findings]
+            notes += [replace(d, severity=Severity.WARNING) for d in findings]
         data, more = self._encoded(program, **stated)
-        return data, [*said, *more]
+        return data, [*notes, *more]
 
 
 class B4(Scaled):

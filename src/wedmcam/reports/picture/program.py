@@ -441,10 +441,10 @@ class _Wire:
     def _paths(self, rows: NDArray[np.intp]) -> list[str]:
         if len(self.cutting) <= DETAILED:
             return [f'<path d="{self._path([i])}">{self._told(i)}</path>' for i in rows.tolist()]
-        told = f"blocks {rows[0] + 1} to {rows[-1] + 1}"
-        return [f'<path d="{self._path(rows)}"><title>{told}</title></path>']
+        tip = f"blocks {rows[0] + 1} to {rows[-1] + 1}"
+        return [f'<path d="{self._path(rows)}"><title>{tip}</title></path>']
 
-    def _told(self, i: int) -> str:
+    def _tool_tip(self, i: int) -> str:
         """Return the tool tip of a block."""
         b, s = self.program.blocks[i], self.segments
         if b["kind"] == Kind.ARC:
@@ -600,14 +600,14 @@ def plot_contours(
         facts: printed in the title block in their order, name -> value.
         marks: findings whose ``points_mm`` are ringed.
     """
-    told = dict(facts or {})
+    entries = dict(facts or {})
     shapes = [_of_contour(c) for c in contours]
     boxes = [s.box() for s in shapes]
     part = union(boxes) if boxes else None
     boxes += [(p.x / 1000, p.y / 1000, p.x / 1000, p.y / 1000) for p in thread_points]
     boxes += [(x, y, x, y) for d in marks for x, y in d.points_mm]
     box = union(boxes) if boxes else (0.0, 0.0, 10.0, 10.0)
-    sheet = Sheet(box, title, len(told))
+    sheet = Sheet(box, title, len(entries))
     hatched = side if side in (Side.PART, Side.DIE) and any(c.closed for c in contours) else None
     legend = _part(sheet, contours, hatched, box) if contours else []
     if part is not None:
@@ -625,8 +625,8 @@ def plot_contours(
     crosses = []
     for point in thread_points:
         x, y = point.x / 1000, point.y / 1000
-        said = f"; {point.span}" if point.span else ""
-        crosses.append((x, y, "T", f"thread point at ({x:.3f}, {y:.3f}) mm{said}"))
+        where = f"; {point.span}" if point.span else ""
+        crosses.append((x, y, "T", f"thread point at ({x:.3f}, {y:.3f}) mm{where}"))
     legend += draw_threads(sheet, crosses)
     ring = f'fill="none" stroke="{WIRE}" stroke-width="1.6"'
     opened = False
@@ -650,7 +650,7 @@ def plot_contours(
                 sheet.text(at, str(n), size=11, bold=True)
                 break
     _mark(sheet, marks)
-    return sheet.print(f"{len(contours)} contours, coordinates in mm", told, legend)
+    return sheet.print(f"{len(contours)} contours, coordinates in mm", entries, legend)
 
 
 def _tips(contour: Contour, shape: _Segments, n: int) -> list[str]:

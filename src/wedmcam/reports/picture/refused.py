@@ -56,8 +56,8 @@ def plot_refused(
     x0, y0, x1, y1 = union(boxes)
     if max(x1 - x0, y1 - y0) < LEAST_MM / 1000:
         x0, y0, x1, y1 = x0 - LEAST_MM, y0 - LEAST_MM, x1 + LEAST_MM, y1 + LEAST_MM
-    told = {**(facts or {}), **listed(marks)}
-    sheet = Sheet((x0, y0, x1, y1), title, len(told))
+    entries = {**(facts or {}), **number_findings(marks)}
+    sheet = Sheet((x0, y0, x1, y1), title, len(entries))
     if others is not None:
         dashes = f'stroke-dasharray="{sheet.mm(6)} {sheet.mm(4.5)}"'
         sheet.draw(
@@ -84,8 +84,10 @@ def plot_refused(
     if any(d.points_mm for d in marks):
         ring = '<circle cx="14" cy="6" r="5" fill="none" stroke="#d00000" stroke-width="2"/>'
         legend.append((ring, "what is wrong"))
-    text = f"{len(rows)} segments as read, {len(listed(marks))} findings; coordinates in mm"
-    return sheet.print(text, told, legend)
+    text = (
+        f"{len(rows)} segments as read, {len(number_findings(marks))} findings; coordinates in mm"
+    )
+    return sheet.print(text, entries, legend)
 
 
 def _paths(shape: _Segments) -> list[str]:
@@ -93,7 +95,7 @@ def _paths(shape: _Segments) -> list[str]:
     return [start + command for start, command in zip(starts, shape.commands(), strict=True)]
 
 
-def listed(marks: Sequence[Diagnostic]) -> dict[str, str]:
+def number_findings(marks: Sequence[Diagnostic]) -> dict[str, str]:
     """Return the numbers of findings with code and first place, for the title block."""
     placed = [d for d in marks if d.points_mm]
     out = {}

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.controllers.zd065 import OUTLINE, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensate
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.formats import b4
 from wedmcam.formats.lengths import mm_of, to_mm
@@ -96,7 +96,7 @@ def decode(
     if tell.failed:
         return program, tell.found
     cutting = blocks.copy()
-    scaled = compensated(figure, whole, outwards)
+    scaled = compensate(figure, whole, outwards)
     for name in ("x", "y", "count"):
         cutting[name][arc] = scaled[name][arc]
     tell(

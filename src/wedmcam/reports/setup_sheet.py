@@ -87,7 +87,8 @@ def sheet(
         ("What comes loose", _loose(compilation, zero)),
         (
             "Where the machine stops",
-            (("block", "in the drawing mm", "what to do", "from zero mm"), _stops(compilation, zero)),
+            (("block", "in the drawing mm", "what to do", "from zero mm"),
+             _stops(compilation, zero)),
         ),
         ("Picture", Picture(plot(compilation, name), picture)),
     ]  # fmt: skip

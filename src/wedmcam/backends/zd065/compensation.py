@@ -18,7 +18,7 @@ from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import OUTLINE, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensate
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import compensation, lines
 from wedmcam.ir.program import Kind, Program, Role
@@ -164,7 +164,7 @@ def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) 
             break
         tried = _scaled_back(figure[rows[todo]], blocks[rows[todo]], radius[todo] + off, gap_um,
                              grown[rows[todo]])  # fmt: skip
-        good = _same(compensated(tried, gap_um, outwards), blocks[rows[todo]])
+        good = _same(compensate(tried, gap_um, outwards), blocks[rows[todo]])
         figure[rows[todo[good]]] = tried[good]
         todo = todo[~good]
     left = np.setdiff1d(rows, rows[_reached(figure[rows], blocks[rows], gap_um, outwards)])
@@ -178,7 +178,7 @@ def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) 
 def _reached(
     figure: NDArray[np.void], blocks: NDArray[np.void], gap_um: int, outwards: bool
 ) -> NDArray[np.bool_]:
-    return _same(compensated(figure, gap_um, outwards), blocks)
+    return _same(compensate(figure, gap_um, outwards), blocks)
 
 
 def _same(a: NDArray[np.void], b: NDArray[np.void]) -> NDArray[np.bool_]:
@@ -228,7 +228,7 @@ def _nearest(
     ok = (tried["count"] > 0) & (np.sign(tried["x"]) * np.sign(block["x"]) >= 0)
     ok &= np.sign(tried["y"]) * np.sign(block["y"]) >= 0
     tried = tried[ok]
-    path = compensated(tried, gap_um, outwards)
+    path = compensate(tried, gap_um, outwards)
     keep = path["x"].astype(np.int64) ** 2 + path["y"].astype(np.int64) ** 2 >= 2
     tried, path = tried[keep], path[keep]
     if not len(tried):
@@ -251,7 +251,7 @@ def closed(
     """
     blocks = program.blocks
     lost = np.zeros(len(blocks), dtype=bool)
-    path = compensated(figure, gap_um, outwards)
+    path = compensate(figure, gap_um, outwards)
     have, want = stepping.run(path), stepping.run(blocks)
     off_x, off_y = have.dx - want.dx, have.dy - want.dy
     arc = blocks["kind"] == Kind.ARC

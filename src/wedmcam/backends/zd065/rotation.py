@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
-from wedmcam.controllers.zd065 import POLAR, rotated
+from wedmcam.controllers.zd065 import POLAR, rotate
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import lines, rotation
 from wedmcam.ir.program import Kind, Program
@@ -126,7 +126,7 @@ def _find_sweeps(
         exponent, significand = rotation.angle_fields(np.clip(sweep, 0.0, 999.0))
         sweep = rotation.angle_value(exponent, significand)
         figure["sweep"][of] = np.where(arc[todo], sweep, 0.0)
-        path = rotated(figure[of])
+        path = rotate(figure[of])
         same = (path["x"] == x[of]) & (path["y"] == y[of])
         good[todo] = same & (~arc[todo] | (path["count"] == count[todo]))
     return good

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import OUTLINE, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensate
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import compensation as gap
 from wedmcam.formats import quadrants
@@ -31,7 +31,7 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
-    _, found = stream.finish(compensated(figure, 0))
+    _, found = stream.finish(compensate(figure, 0))
     return figure[stream.good], found
 
 
@@ -75,7 +75,7 @@ def decode(
     )
     if whole:
         _tell_joints(stream, figure, whole)
-    blocks = compensated(_safe(figure, stream), whole, outwards)
+    blocks = compensate(_safe(figure, stream), whole, outwards)
     stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
     return stream.finish(blocks)
 
@@ -151,7 +151,7 @@ def _check(s: Stream, figure: NDArray[np.void]) -> None:
     moving = s.arc | s.straight
     right = quadrants.quadrant(figure["x"], figure["y"], s.turn)
     s.tell_repaired(Severity.NOTE, moving & (right != s.named) & (right != 0), right)
-    blocks = compensated(_safe(figure, s), 0)
+    blocks = compensate(_safe(figure, s), 0)
     s.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
 
 
@@ -168,7 +168,7 @@ def _safe(figure: NDArray[np.void], s: Stream) -> NDArray[np.void]:
 
 def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
     """Refuse joints that the gap would tear apart by more than rounding explains."""
-    blocks = compensated(_safe(figure, s), 0)
+    blocks = compensate(_safe(figure, s), 0)
     cutting = (s.kind == Kind.LINE) | s.arc
     ax, ay, bx, by, room = directions(blocks)
     following = np.zeros(len(blocks), dtype=bool)

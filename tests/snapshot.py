@@ -164,7 +164,7 @@ def plan_of(data: bytes, name: str, options: Any) -> str:
     run = Run()
     try:
         if hasattr(pipeline, "planned"):
-            plan = pipeline.planned(data, name, options, [], run)[1]
+            plan = pipeline.plan_source(data, name, options, [], run)[1]
         else:
             plan = pipeline.plan(pipeline.read(data, name, options, run), options, run)
     except Refused:

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wedmcam.compiler.pipeline import emitted
+from wedmcam.compiler.pipeline import write_program
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Role
@@ -46,7 +46,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     machine = target.machine
     trial = Run()  # findings on the whole program are not of its rest
     try:
-        entries, lowered, data = emitted(plan, target, options, trial)
+        entries, lowered, data = write_program(plan, target, options, trial)
     except Refused:
         run.findings += trial.findings
         raise

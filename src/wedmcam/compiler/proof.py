@@ -1,6 +1,6 @@
 """A program that exists is proven: where it starts in the drawing, and what its certificate claims.
 
-`pipeline.judged` measures, here as in a compile, so that an honest certificate holds. What a
+`pipeline.judge_program` measures, here as in a compile, so that an honest certificate holds. What a
 certificate claims beyond that (the findings of a compile, and which program it was) is derived by
 emitting its plan again.
 """
@@ -67,7 +67,7 @@ def given_points(drawn: Drawn, options: Options) -> tuple[tuple[float, float], .
     return (*threads, *options.leading.starts_um)
 
 
-def placed(
+def place_program(
     decoded: Program, plan: Plan, target: Target, options: Options, how: Placing, run: Run
 ) -> tuple[Program, Verdict]:
     """Judge a program where it starts: at the stated origin, on a thread point, or where it fits.
@@ -79,7 +79,9 @@ def placed(
 
     def at(place: Steps, fitted: bool = False, strict: bool = how.ours) -> _Judged:
         program = replace(decoded, origin=place)
-        judged = pipeline.judged(program, plan, target, options, strict_order=strict, fitted=fitted)
+        judged = pipeline.judge_program(
+            program, plan, target, options, strict_order=strict, fitted=fitted
+        )
         return _Judged(program, *judged)
 
     notes: list[Diagnostic] = []
@@ -247,7 +249,7 @@ def issued_for_others(
     ]
 
 
-def held_to(
+def check_certificate(
     certificate: Mapping[str, Any],
     now: Mapping[str, Any],
     proven: Proven,
@@ -280,7 +282,7 @@ def held_to(
     trial = Run(findings=list(planned))
     wrote = b""
     with contextlib.suppress(Refused):  # its findings are not the certificate's: that is said
-        _, _, wrote = pipeline.emitted(proven.plan, proven.target, proven.options, trial)
+        _, _, wrote = pipeline.write_program(proven.plan, proven.target, proven.options, trial)
     findings: list[Diagnostic] = []
     if same:
         derived = [*trial.findings, *pipeline.new_in_reading(trial.findings, read), *judged]
@@ -327,7 +329,7 @@ def _left(
     return [left]
 
 
-def held_to_alone(
+def check_certificate_alone(
     certificate: Mapping[str, Any], figures: Mapping[str, Any], data: bytes
 ) -> list[Diagnostic]:
     """Return the findings on what a certificate claims of a program without its drawing."""

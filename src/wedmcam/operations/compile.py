@@ -72,7 +72,7 @@ def planned_for(
 ) -> str:
     """Read and plan a source for machines; ``run`` keeps both. Return where it was refused, if."""
     try:
-        pipeline.planned(data, name, options, [target_of(m) for m in machines], run)
+        pipeline.plan_source(data, name, options, [target_of(m) for m in machines], run)
     except Refused as why:
         return why.stage
     return ""
@@ -105,7 +105,7 @@ def compile_plan(
     if not stage:
         try:
             part = run("plan", (portion(values["plan"], target, options, run), ()))
-            pipeline.compiled(part, target, options, run, output_name)
+            pipeline.write_and_prove(part, target, options, run, output_name)
             run.add("verify", [] if named else machines.unnamed(machine))
         except Refused as why:
             stage = why.stage
@@ -156,7 +156,7 @@ def arithmetic_difference(compilation: Compilation, source: Source) -> float | N
     """Return by how much the wire path would differ in the other arithmetic, um.
 
     Args:
-        compilation: its result; `compile` tells in ``summary["arithmetic"]`` in what it was computed.
+        compilation: its ``summary["arithmetic"]`` tells in what it was computed.
         source: what was compiled, a path or bytes.
 
     Returns:

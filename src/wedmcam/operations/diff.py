@@ -32,8 +32,8 @@ def diff(
         names: of both in findings.
         profiles: of both.
         d: numbers and offsets (um) of ISO programs with G41 or G42.
-        **answers: of ISO programs, as for `read_program`; ``whole_in_b`` and others are of the second
-            where it is read otherwise.
+        **answers: of ISO programs, as for `read_program`; ``whole_in_b`` and others are of the
+            second where it is read otherwise.
 
     Returns:
         The difference; None where one cannot be read. And the findings of both readers.

@@ -92,7 +92,7 @@ def metamorphic(
     run, target = Run(options.judging.strict), target_of(machine)
     options = replace(options, wishes=frozenset())  # a compile says which had no effect
     try:
-        drawn, plan = pipeline.planned(data, name, options, [target], run)
+        drawn, plan = pipeline.plan_source(data, name, options, [target], run)
     except Refused:
         return (), run.findings
     images = []
@@ -163,13 +163,13 @@ def _image(name: str, drawn: Drawn, options: Options, target: Target, wanted: Pl
     run = Run()
     try:
         plan = pipeline.plan_of(drawn, options, [target], run)
-        entries, lowered, data = pipeline.emitted(plan, target, options, run)
+        entries, lowered, data = pipeline.write_program(plan, target, options, run)
         decoded, findings = target.read(data, name, entries)
         run.add("decode", findings)
     except Refused as why:
         return Image(name, False, None, 0, f"{why.stage} refuses it: {_first(run.findings)}")
     program = replace(decoded, origin=lowered.origin)
-    verdict, findings = pipeline.judged(program, wanted, target, options, strict_order=False)
+    verdict, findings = pipeline.judge_program(program, wanted, target, options, strict_order=False)
     text = "" if verdict.ok else _first(findings)
     return Image(name, verdict.ok, verdict.max_deviation_um, verdict.blocks, text)
 

@@ -71,8 +71,8 @@ def read_program(
         entered: what the operator enters beside a rotation or compensation file, or for G41, G42.
         shown: the program is only shown: what it leaves open is assumed, and said first. Else it is
             refused.
-        **answers: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``,
-            ``semicolon_in``, ``subprograms_in``, as in `ProgramReading`.
+        **answers: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``,
+            ``centres_in``, ``semicolon_in``, ``subprograms_in``, as in `ProgramReading`.
 
     Raises:
         WrongUse: an unknown format or profile, or another keyword.

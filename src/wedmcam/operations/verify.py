@@ -243,7 +243,7 @@ def _plan(case: _Case, known: _Evidence, planning: Run, run: Run) -> tuple[Drawn
     Findings go into both runs; ``planning`` has no others.
     """
     try:
-        drawn, plan = pipeline.planned(
+        drawn, plan = pipeline.plan_source(
             case.drawing or b"", case.drawing_name, case.options, case.targets, planning
         )
         plan = portion(plan, case.target, case.options, planning)
@@ -276,7 +276,7 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
         ours,
     )
     before = len(run.findings)
-    program, verdict = proof.placed(program, plan, target, options, placing, run)
+    program, verdict = proof.place_program(program, plan, target, options, placing, run)
     known.program, known.verdict = program, verdict
     if certificate is None:
         return
@@ -291,7 +291,7 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
     )
     run.add(
         "certificate",
-        proof.held_to(
+        proof.check_certificate(
             certificate,
             now,
             proof.Proven(program, case.data, drawing, plan, target, options),
@@ -310,7 +310,9 @@ def _measure_alone(case: _Case, known: _Evidence, program: Program, run: Run) ->
     run.add("verify", findings)
     run.add("verify", _not_closed(program, case.target, case.options))
     if case.certificate is not None:
-        run.add("certificate", proof.held_to_alone(case.certificate, known.figures, case.data))
+        run.add(
+            "certificate", proof.check_certificate_alone(case.certificate, known.figures, case.data)
+        )
 
 
 def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> Proof:

@@ -11,6 +11,7 @@ START for thread points, so that ``compile --layer CUT --layer START`` makes the
 from __future__ import annotations
 
 import io
+import math
 from itertools import pairwise
 from typing import Any
 
@@ -26,7 +27,6 @@ Ints = NDArray[np.int64]
 
 #: Layer -> AutoCAD colour index.
 LAYERS = {"CUT": 1, "LEAD": 3, "OVERCUT": 6, "MOVE": 8, "START": 5, "STOP": 2}
-TAU = 2.0 * np.pi
 #: An arc of more than half a turn whose centre would move farther than this is drawn as two; steps.
 MOVED_STEPS = 1.5
 
@@ -105,19 +105,19 @@ def _add_arc(
     cx, cy = float(start[0] - ax), float(start[1] - ay)
     first = np.arctan2(ay, ax)
     last = np.arctan2(end[1] - cy, end[0] - cx)
-    sweep = float((last - first) * turn % TAU)
+    sweep = float((last - first) * turn % math.tau)
     # A turn takes 8 R steps: that tells an arc that just passes its start from a short one.
-    sweep += TAU * round((steps / (8.0 * radius) * TAU - sweep) / TAU)
-    if sweep > TAU - 1e-12:
+    sweep += math.tau * round((steps / (8.0 * radius) * math.tau - sweep) / math.tau)
+    if sweep > math.tau - 1e-12:
         centre = (cx / per_mm, cy / per_mm)
         space.add_circle(centre, radius / per_mm, dxfattribs=attributes)
     if start == end:
         return
-    rest = sweep % TAU
+    rest = sweep % math.tau
     # Where both ends lie near each other and no circle about the centre passes both, one through
     # both would be another circle: two arcs then, that meet on the far side.
     ends: list[tuple[float, float]] = [start, end]
-    if rest > TAU / 2 and abs(_along((cx, cy), start, end)) > MOVED_STEPS:
+    if rest > math.tau / 2 and abs(_along((cx, cy), start, end)) > MOVED_STEPS:
         half = first + turn * rest / 2
         ends.insert(1, (cx + radius * float(np.cos(half)), cy + radius * float(np.sin(half))))
     for one, two in pairwise(ends):

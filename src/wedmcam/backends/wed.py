@@ -10,6 +10,7 @@ again; whether it did is proven by who asked for it (``conversion``).
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import PurePath
 
@@ -24,7 +25,6 @@ from wedmcam.programs.stretches import Stretch, beside, stretches, words_left_ou
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
-TAU = 2.0 * np.pi
 #: What to do with a program that the part language has no words for.
 ANY_PATH = "convert to .dxf, which takes any path"
 #: Arcs of more than this are written in parts: near a full turn their ends cannot be told apart.
@@ -259,10 +259,10 @@ class _Text:
         turn = self.blocks["turn"].astype(np.int64)
         a, b = self.starts - self.centre, self.ends - self.centre
         first, last = np.arctan2(a[:, 1], a[:, 0]), np.arctan2(b[:, 1], b[:, 0])
-        sweep = np.mod((last - first) * turn, TAU)
+        sweep = np.mod((last - first) * turn, math.tau)
         # A turn takes 8 R steps: that tells an arc that just passes its start from a short one.
-        whole = self.steps / np.maximum(8.0 * self.radius, 1.0) * TAU
-        sweep = np.where(self.arc, sweep + TAU * np.round((whole - sweep) / TAU), 0.0)
+        whole = self.steps / np.maximum(8.0 * self.radius, 1.0) * math.tau
+        sweep = np.where(self.arc, sweep + math.tau * np.round((whole - sweep) / math.tau), 0.0)
         straight = np.hypot(*(self.ends - self.starts).T)
         return sweep, np.where(self.arc, self.radius * sweep, straight)
 

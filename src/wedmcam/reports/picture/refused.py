@@ -6,6 +6,7 @@ as they were read, and the places of findings are ringed, numbered, and listed i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.reports.picture.program import OUTLINE, TAU, _mark, _Segments, _stroke
+from wedmcam.reports.picture.program import OUTLINE, _mark, _Segments, _stroke
 from wedmcam.reports.picture.sheet import Box, Sheet, number, union
 from wedmcam.reports.picture.threads import draw_threads
 
@@ -115,5 +116,6 @@ def _of_rows(rows: NDArray[np.void]) -> _Segments:
     turn = rows["turn"].astype(float)
     turned = np.arctan2(y1 - cy, x1 - cx) - np.arctan2(y0 - cy, x0 - cx)
     full = (x0 == x1) & (y0 == y1)
-    sweep = np.where(turn == 0, 0.0, np.where(full, TAU, np.mod(turned * turn, TAU)) * turn)
+    sweep = np.where(full, math.tau, np.mod(turned * turn, math.tau))
+    sweep = np.where(turn == 0, 0.0, sweep * turn)
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)

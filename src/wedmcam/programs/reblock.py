@@ -151,8 +151,8 @@ def _parts(
     kind = blocks["kind"].astype(np.int64)
     arc = kind == Kind.ARC
     straight = (kind == Kind.LINE) | (kind == Kind.MOVE)
-    # In how many pieces: a line by its longer side, an arc by its steps, or by whole turns, after
-    # each of which it stands where it started.
+    # In how many pieces: a line by its longer side, an arc by its steps, or by whole turns,
+    # which end where they start.
     longest = np.maximum(abs(motion.dx), abs(motion.dy))
     pieces = np.where(kept, 1, 0)
     most = min(rules.line_um, rules.count_um)

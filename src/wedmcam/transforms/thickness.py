@@ -33,8 +33,8 @@ def specks(
 ) -> tuple[list[Diagnostic], list[bool]]:
     """Return a warning for each closed contour that no wire makes, and which ones are that.
 
-    A hole is one below `SMALL_HOLE_UM`. So is a piece of kept material, and one that is smaller than
-    the cut that frees it: twice the offset.
+    A hole is one below `SMALL_HOLE_UM`. So is a piece of kept material, and one that is smaller
+    than the cut that frees it: twice the offset.
 
     Args:
         contours: lines and arcs, um.

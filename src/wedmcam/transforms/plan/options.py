@@ -88,7 +88,7 @@ class Cutting:
                 raise WrongUse(f"--layer-side {name}={side} needs an offset")
 
     def check_clearance(self) -> None:
-        """Refuse a clearance that nobody takes.
+        """Refuse a clearance that no contour takes.
 
         Raises:
             WrongUse: with what would take it.

@@ -14,7 +14,7 @@ from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Role
 from wedmcam.options import Options
-from wedmcam.programs.places import block_ends, matched
+from wedmcam.programs.places import block_ends, match_blocks
 from wedmcam.targets import Target
 from wedmcam.transforms.plan.portion import only_cuts, remaining
 
@@ -55,7 +55,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     n = options.portion.from_block
     if n > len(program.blocks):
         raise WrongUse(f"the program has {len(program.blocks)} blocks, there is no block {n}")
-    like = matched(lowered, program, machine)
+    like = match_blocks(lowered, program, machine)
     cutting = np.flatnonzero((program.blocks["kind"] < Kind.MOVE) & (like >= 0))
     cutting = cutting[cutting >= n - 1]
     roles, cuts = lowered.blocks["role"], lowered.blocks["cut"]

@@ -116,11 +116,11 @@ def _toml_value(key: str, value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-def _written(value: Any) -> str:
+def _toml_text(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list):
-        return f"[{', '.join(_written(v) for v in value)}]"
+        return f"[{', '.join(_toml_text(v) for v in value)}]"
     # Strings of JSON are basic strings of TOML; whole numbers are the same in both.
     return json.dumps(value, ensure_ascii=False)
 
@@ -134,7 +134,7 @@ def fingerprint(machine: Machine) -> str:
     >>> fingerprint(builtin("zd065")) == fingerprint(builtin("zd065-rotation"))
     False
     """
-    lines = [f"[{e.section}] {e.key} = {_written(e.value)}\n" for e in entries(machine)
+    lines = [f"[{e.section}] {e.key} = {_toml_text(e.value)}\n" for e in entries(machine)
              if e.value is not None]  # fmt: skip
     return hashlib.sha256("".join(lines).encode("utf-8")).hexdigest()
 
@@ -159,12 +159,12 @@ def as_toml(machine: Machine) -> str:
                 lines += _comment(f"{words[class_]} Takes {TAKES}, and what it does.")
         if section.startswith("iso.words."):
             key = entry.key if "." not in entry.key else json.dumps(entry.key)
-            lines += [f"{key} = {_written(entry.value)}"] if entry.key else ["# no word"]
+            lines += [f"{key} = {_toml_text(entry.value)}"] if entry.key else ["# no word"]
             continue
         about = f"{entry.means} Takes {entry.takes}.".strip()
         lines += _comment(about)
         if entry.value is None:
             lines.append(f"# {entry.key} is not set")
         else:
-            lines.append(f"{entry.key} = {_written(entry.value)}")
+            lines.append(f"{entry.key} = {_toml_text(entry.value)}")
     return "\n".join(lines) + "\n"

@@ -13,7 +13,7 @@ import numpy as np
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.ir.understanding import Understanding
 from wedmcam.machines import Machine
-from wedmcam.programs.places import block_ends, matched
+from wedmcam.programs.places import block_ends, match_blocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ def loose(
         program: decoded from its bytes.
         machine: both are of this profile.
     """
-    like = matched(lowered, program, machine)
+    like = match_blocks(lowered, program, machine)
     _, ends = block_ends(program, machine)
     cutting = np.flatnonzero((program.blocks["kind"] < Kind.MOVE) & (like >= 0))
     role, cut = (lowered.blocks[name][like[cutting]] for name in ("role", "cut"))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import EntityRef, Span, TextSpan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
-from wedmcam.programs.places import block_ends, matched
+from wedmcam.programs.places import block_ends, match_blocks
 from wedmcam.programs.rows import where_of
 
 Ints = NDArray[np.int64]
@@ -38,7 +38,7 @@ def source_map(
         summary: the certificate: names and fingerprints of input and output.
     """
     starts, ends = block_ends(program, machine)
-    like = matched(lowered, program, machine)
+    like = match_blocks(lowered, program, machine)
     source = _lent(lowered)
     words = dict(program.words)
     spans = [span_data(s) for s in lowered.sources]

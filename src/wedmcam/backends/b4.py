@@ -69,5 +69,5 @@ def encode(
         )
     ]
     other = Program(drawn, program.origin, program.sources, program.spans, program.words)
-    data, found = b3.encode(other, machine, positions, fourth=fourth)
-    return data, [*checks.findings, *found]
+    data, more = b3.encode(other, machine, positions, fourth=fourth)
+    return data, [*checks.findings, *more]

@@ -66,10 +66,10 @@ def _drawing_of(program: Program, machine: Machine) -> bytes:
     per_mm = 1000 / program.step_um
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])
-    found = stretches(program.blocks, starts, ends)
-    layers = _layers_of(program.blocks, found)
-    threads, stops = _points(found, starts, ends)
-    stops += [(int(ends[i][0]), int(ends[i][1])) for i in beside(program.blocks["kind"], found)]
+    pieces = stretches(program.blocks, starts, ends)
+    layers = _layers_of(program.blocks, pieces)
+    threads, stops = _points(pieces, starts, ends)
+    stops += [(int(ends[i][0]), int(ends[i][1])) for i in beside(program.blocks["kind"], pieces)]
     for layer, places in (("START", threads), ("STOP", stops)):
         for x, y in places:
             space.add_point((x / per_mm, y / per_mm), dxfattribs={"layer": layer})
@@ -161,21 +161,21 @@ def _add_piece(
 
 
 def _points(
-    found: list[Stretch], starts: Ints, ends: Ints
+    pieces: list[Stretch], starts: Ints, ends: Ints
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Return thread points (where a stretch begins) and stops (pauses within it)."""
     threads, stops = [], []
-    for one in found:
+    for one in pieces:
         first = one.lead_in[0] if len(one.lead_in) else one.path[0]
         threads.append((int(starts[first][0]), int(starts[first][1])))
         stops += [(int(ends[i][0]), int(ends[i][1])) for i in one.pauses]
     return threads, stops
 
 
-def _layers_of(blocks: NDArray[np.void], found: list[Stretch]) -> list[str]:
+def _layers_of(blocks: NDArray[np.void], pieces: list[Stretch]) -> list[str]:
     """Return the layer of each block."""
     layers = ["MOVE" if k == Kind.MOVE else "CUT" for k in blocks["kind"].tolist()]
-    for one in found:
+    for one in pieces:
         for name, rows in (("LEAD", one.lead_in), ("LEAD", one.lead_out), ("OVERCUT", one.overcut)):
             for i in rows.tolist():
                 layers[i] = name

@@ -64,10 +64,10 @@ def encode(
         return b"", checks.findings
     if positions is None:
         positions = ends(program, machine)
-    opening, found = _opening(machine, program.origin, feed_um)
+    opening, opening_findings = _opening(machine, program.origin, feed_um)
     rows = [*opening, *_rows(program, kinds, motion, positions, machine.iso, names)]
     data, more = _text(rows, machine)
-    return data, [*checks.findings, *found, *more]
+    return data, [*checks.findings, *opening_findings, *more]
 
 
 def _refuse_unstated(checks: Checks, machine: Machine, motion: Motion) -> None:

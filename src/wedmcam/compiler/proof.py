@@ -166,16 +166,16 @@ def _given_places(
     points = np.array(list(given), float).reshape(-1, 2) / step_um
     if not len(points):
         return []
-    found: dict[Steps, None] = {}
+    places: dict[Steps, None] = {}
     left = np.ones(len(points), bool)
     for place in threads:
         near = np.hypot(points[:, 0] - place[0], points[:, 1] - place[1]) <= SAME_POINT
         if near.any():
-            found[place] = None
+            places[place] = None
             left &= ~near
     for x, y in points[left]:
-        found[(round(float(x)), round(float(y)))] = None
-    return list(found)
+        places[(round(float(x)), round(float(y)))] = None
+    return list(places)
 
 
 def _other_start(program: Program, threads: Sequence[Steps]) -> list[Diagnostic]:

@@ -80,16 +80,16 @@ def hits(
     if not len(i):
         return []
     met = segment_distance(leads.take(i), paths.take(j)) <= MEETS
-    found: dict[int, tuple[int, int, float, float]] = {}
+    places: dict[int, tuple[int, int, float, float]] = {}
     for a, b in zip(i[met].tolist(), j[met].tolist(), strict=True):
         cut = int(route.cut[lead[a]])
-        if cut in found:
+        if cut in places:
             continue
         own = paths.take(route.cut[path] == cut)
         place = _place(leads.take(np.array([a])), paths.take(np.array([b])), own)
         if place is not None:
-            found[cut] = int(number[cut]), int(number[route.cut[path[b]]]), *place
-    return list(found.values())
+            places[cut] = int(number[cut]), int(number[route.cut[path[b]]]), *place
+    return list(places.values())
 
 
 def _place(lead: Segments, path: Segments, own: Segments) -> tuple[float, float] | None:

@@ -52,10 +52,10 @@ def machine_issued(certificate: dict[str, Any]) -> Machine:
 
 def starts_of(machine: Machine) -> dict[str, Any]:
     """Return what a certificate says of a machine beside its own, where starts are placed."""
-    found: dict[str, Any] = {"starts_of": machine.name}
+    values: dict[str, Any] = {"starts_of": machine.name}
     if not machines.is_builtin(machine):
-        found["starts_of_toml"] = as_toml(machine)
-    return found
+        values["starts_of_toml"] = as_toml(machine)
+    return values
 
 
 def targets_of(machine: Machine, certificate: dict[str, Any] | None) -> list[Target]:

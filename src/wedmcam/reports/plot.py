@@ -102,19 +102,19 @@ def _refused_picture(result: Compilation | Inspection, title: str) -> str | None
     )
 
 
-def _placed(found: Diagnostic, seen: Seen) -> Diagnostic:
+def _placed(finding: Diagnostic, seen: Seen) -> Diagnostic:
     """Return a finding with the place of the entity that it is about, where it has none."""
-    if found.points_mm or not isinstance(found.span, EntityRef):
-        return found
+    if finding.points_mm or not isinstance(finding.span, EntityRef):
+        return finding
     sources = seen.sketch.sources
-    at = sources.index(found.span) if found.span in sources else -1
+    at = sources.index(finding.span) if finding.span in sources else -1
     rows = seen.rows[seen.rows["source"] == at] if at >= 0 else seen.rows[:0]
     if not len(rows):
-        return found
+        return finding
     row = rows[0]
     ring = row["turn"] != 0 and row["x0"] == row["x1"] and row["y0"] == row["y1"]
     x, y = ((row[f"{c}0"] + (0 if ring else row[f"{c}1"])) / (1000 if ring else 2000) for c in "xy")
-    return replace(found, points_mm=((float(x), float(y)),))
+    return replace(finding, points_mm=((float(x), float(y)),))
 
 
 def _with_cuts(program: Program, verdict: Verdict | None) -> Program:

@@ -132,8 +132,8 @@ class Scaled(Stated):
         """See `Target`."""
         from wedmcam.frontends import senses
 
-        found: NDArray[np.int64] = senses(data, self.machine)
-        return found
+        result: NDArray[np.int64] = senses(data, self.machine)
+        return result
 
     def write_carried(
         self,

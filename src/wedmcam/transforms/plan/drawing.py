@@ -139,12 +139,12 @@ def _within(contours: Sequence[Contour], dies: Sequence[Contour]) -> set[int]:
         return set()
     boxes = measure.extents_of_all([(c.vertices, c.closed) for c in (*contours, *dies)])
     mine, theirs = boxes[: len(contours)], boxes[len(contours) :]
-    found = set()
+    numbers = set()
     for k, box in enumerate(mine):
         same = np.abs(theirs - box).max(axis=1) < EQUAL_UM
         if same.any() or any(d > 0 for d in nest((contours[k], *dies)).depths[:1]):
-            found.add(k)
-    return found
+            numbers.add(k)
+    return numbers
 
 
 def _plates(cuts: Sequence[ShapedCut]) -> list[Diagnostic]:

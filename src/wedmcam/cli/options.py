@@ -118,7 +118,7 @@ compile_options = _stack(drawing_options, path_options, machine_options)
 
 
 def _values_of(params: dict[str, Any], rows: Iterable[Row]) -> dict[str, Any]:
-    """Return the values of fields, by their names, as far as something is said of them."""
+    """Return the values of fields, by their names, as far as they are stated."""
     stated = [row for row in rows if params.get(row.param) is not None]
     return {row.name: _value(params[row.param], row) for row in stated}
 
@@ -139,7 +139,7 @@ def _value(given: Any, row: Row) -> Any:
 
 
 def answers_of(params: dict[str, Any]) -> dict[str, Any]:
-    """Return what is said of a program that is read, taken out of the parameters."""
+    """Return the answers about a program that is read, taken out of the parameters."""
     names = [f"{row.param}{suffix}" for suffix in ("", "_b") for row in rows_of(Panel.PROGRAM)]
     values = {name: params.pop(name) for name in names if name in params}
     return {name: value for name, value in values.items() if value is not None}
@@ -150,7 +150,7 @@ def options_of(params: dict[str, Any], *, answers: bool = True) -> Options:
 
     Args:
         params: of the command.
-        answers: with what is said of programs that are read; False where none is.
+        answers: with the answers about programs that are read; False where none is.
 
     Raises:
         WrongUse: options that do not fit together.

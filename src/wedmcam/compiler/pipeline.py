@@ -104,10 +104,10 @@ def prove_program(
 
 
 def new_in_reading(known: Sequence[Diagnostic], findings: Sequence[Diagnostic]) -> list[Diagnostic]:
-    """Return what the reader of a program of ours finds that was not said before.
+    """Return the findings of the reader of a program of ours that are new.
 
     Its notes say how it understood a foreign file; and what the writer warned of (the file needs
-    two loads, say) need not be said twice.
+    two loads, say) is not repeated.
     """
     codes = {d.code for d in known}
     return [

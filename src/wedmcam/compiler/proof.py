@@ -270,7 +270,7 @@ def check_certificate(
         every: all findings so far.
 
     Of another drawing, only what the program is by itself is compared. Of another program, where
-    it leaves the one that is compiled is said.
+    it leaves the one that is compiled is reported.
     """
     from wedmcam.judge.claims import differences, of_the_program
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from wedmcam.diag import Diagnostic, error, note
 
-#: Figures that are told one by one; of the others their number.
+#: Figures that are listed one by one; of the others their number.
 LISTED = 10
 
 #: Figures are rounded up to a nanometre: so far two of the same may lie apart, um.

@@ -2,7 +2,7 @@
 
 The built-in files leave defaults out, and a reader cannot see what could stand there. Here each key
 that the format takes is written with what it means. Meanings are those of the attributes in
-``machine``, so they are said once.
+``machine``, so they are stated once.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def section_types() -> dict[str, type]:
 def entries(machine: Machine | None = None, format_: str | None = None) -> Iterator[Entry]:
     """Yield the keys that a format takes, in their order, with the values of a machine.
 
-    Without a machine values are None; without a format all keys are told.
+    Without a machine values are None; without a format all keys are given.
     """
     wanted = machine.format if machine else format_
     for section, rules in _SCHEMA.items():

@@ -1,4 +1,4 @@
-"""One block told at length: its record, what it draws, why it is counted so, its first steps."""
+"""One block at length: its record, what it draws, why it is counted so, its first steps."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def in_force(
     if "units" in found.settings:
         # A default is weaker than what a drawing says of itself; what is typed is not.
         found.params["fill_in_units"] = True
-    if "join" in options:  # a command that reads drawings: what has no effect there is said
+    if "join" in options:  # a command that reads drawings: what has no effect there is reported
         found.params["wishes"] = frozenset(str(options[key].name) for key in given)
     return found
 

@@ -66,7 +66,7 @@ def _figure(item: CutItem, ar: Arithmetic) -> tuple[tuple[Contour, ...] | None, 
 
 
 def sketch_of(part: Part, cuts: Sequence[ShapedCut]) -> tuple[Sketch, tuple[Contour, ...]]:
-    """Return what is told of a part program: its unit, names and thread points, its contours."""
+    """Return the facts of a part program: its unit, names and thread points, its contours."""
     contours: list[Contour] = []
     for w in cuts:
         contours += [c for c in w.figure if not any(c is known for known in contours)]

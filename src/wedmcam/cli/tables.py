@@ -37,7 +37,7 @@ def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
     axes = machine.axes
     if not axes.plain:
         turned = replace(axes, step_um=1.0).text
-        yield f"axes: {turned}; Z, X, Y, G and ends are told as the drawing has them"
+        yield f"axes: {turned}; Z, X, Y, G and ends are in the axes of the drawing"
     if axes.step_um != 1:
         yield f"X, Y and J are steps of {axes.step_um:g} um, ends are um"
     yield "block  where    kind   Z          X          Y  G            J      end x      end y"

@@ -17,7 +17,7 @@ from wedmcam.judge.segments import Ints
 from wedmcam.judge.walk import Walk
 
 #: Against a whole drawing a program of some of its contours has too few cuts, in other places.
-SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B says of which"
+SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B names them"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

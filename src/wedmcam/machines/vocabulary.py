@@ -235,7 +235,7 @@ def _both(
     if letter != k or last < a or b < first:
         return None
     if (a, b) == (first, last):
-        return f"is said twice: it is '{key}' under '{of}'"
+        return f"is named twice: it is '{key}' under '{of}'"
     inside = (a <= first and last <= b) or (first <= a and b <= last)
     if not inside and name != of:
         return f"overlaps '{key}' under '{of}': a word is of one class"

@@ -18,7 +18,7 @@ from wedmcam.operations.profiles import reader_machine
 from wedmcam.targets import Entries, target_of
 
 #: Why a program whose controller makes the path is neither proven nor converted without its gap.
-NO_GAP = "no gap is given: by how much the wire runs beside the outline is nowhere said"
+NO_GAP = "no gap is given: the program does not state how far the wire runs beside its outline"
 
 
 def dialect_of(answers: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:

@@ -39,7 +39,7 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
     yield f"block {number} of {len(program.blocks)}, read for {machine.name} ({machine.title})"
     yield f"record     {_record(program, row, data)}"
     if machine.axes.text:
-        yield f"axes       {machine.axes.text}; what follows is told as the drawing has it"
+        yield f"axes       {machine.axes.text}; what follows is in the axes of the drawing"
     starts, ends = block_ends(program, machine)
     start, end = (p[row].tolist() for p in (starts, ends))
     if kind > Kind.MOVE:

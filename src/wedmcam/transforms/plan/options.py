@@ -64,7 +64,7 @@ class Cutting:
             names = [name.casefold() for name, _ in stated]
             for name in names:
                 if not name or names.count(name) > 1:
-                    what = "is said twice" if name else "names no layer"
+                    what = "is named twice" if name else "names no layer"
                     raise WrongUse(f"--layer-{option} {name}: {what}")
         for name, um in self.layer_offsets:
             if um <= 0:

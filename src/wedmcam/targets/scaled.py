@@ -185,7 +185,7 @@ class Compensation(Scaled, Memory):
 
     @property
     def block_bytes(self) -> tuple[int, int]:
-        """See `formats.gap`."""
+        """See `formats.compensation`."""
         from wedmcam.formats import compact
         from wedmcam.formats import compensation as rows
 

@@ -13,8 +13,7 @@ from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.controllers.zd065 import OUTLINE, compensate
 from wedmcam.diag import Diagnostic, Severity
-from wedmcam.formats import compensation as gap
-from wedmcam.formats import quadrants
+from wedmcam.formats import compensation, quadrants
 from wedmcam.formats.lengths import mm_of
 from wedmcam.frontends.zd065.memory import Stream
 from wedmcam.ir.program import Axis, Kind, Program
@@ -52,13 +51,13 @@ def decode(
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
-    whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= gap.MOST_GAP_UM else 0
+    whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= compensation.MOST_GAP_UM else 0
     stream.tell(
         Severity.ERROR,
         "gap-value",
         np.full(len(figure), whole != gap_um) & (np.arange(len(figure)) == 0),
         "block {block}: a gap of {gap_um:g} um; the controller takes whole um from 0 to {most_um}",
-        lambda i: {"gap_um": gap_um, "most_um": gap.MOST_GAP_UM},
+        lambda i: {"gap_um": gap_um, "most_um": compensation.MOST_GAP_UM},
     )
     sign = figure["grows"].astype(np.int64) * (1 if outwards else -1)
     after = figure["radius"] + sign * whole
@@ -111,11 +110,13 @@ def stated(data: bytes, machine: Machine) -> dict[str, str]:
 
 
 def _fields(data: bytes, file: str, machine: Machine) -> tuple[Stream, NDArray[np.void]]:
-    s = Stream(data, gap.LENGTH, file, machine)
+    s = Stream(data, compensation.LENGTH, file, machine)
     figure = np.zeros(len(s.starts), dtype=OUTLINE)
     figure["kind"], figure["turn"], figure["axis"] = s.kind, s.turn, Axis.SQUARE
     types = s.bytes_at(s.arc, 1)
-    figure["grows"] = np.select([types == gap.GROWS, types == gap.SHRINKS], [1, -1], 0)
+    figure["grows"] = np.select(
+        [types == compensation.GROWS, types == compensation.SHRINKS], [1, -1], 0
+    )
     figure["radius"] = s.column(s.arc, 2, 4)
     xs = s.column(s.arc, 6, 4) + s.column(s.straight, 1, 3)
     ys = s.column(s.arc, 10, 4) + s.column(s.straight, 4, 3)

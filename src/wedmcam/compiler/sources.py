@@ -161,7 +161,7 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
         run.add("chain", findings)
         every, report = every + contours, report.with_(own)
         if reading.transforms:
-            drawn, contours = _transformed(sketch, contours, options, run)
+            drawn, contours = _transform(sketch, contours, options, run)
         groups.append(Group(rule, contours))
     about = unread_outlines(sketch, every, reading.join_um, options.cutting.offset_um or 0.0)
     every = tuple(c for group in groups for c in group.contours)
@@ -226,7 +226,7 @@ def _transforms(transforms: Sequence[str], run: Run) -> list[Any]:
     return [t for t, _ in parsed if t is not None]
 
 
-def _transformed(
+def _transform(
     sketch: Sketch, contours: tuple[Contour, ...], options: Options, run: Run
 ) -> tuple[Sketch, tuple[Contour, ...]]:
     """Return contours and thread points after ``--transform``; --start points stay (ruling 5)."""

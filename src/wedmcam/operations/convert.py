@@ -162,7 +162,7 @@ def convert(
         findings += problems
         if data is not None and profile is None:
             findings += machines.unnamed(machine)
-    stopped = has_errors(findings) or (strict and _warned(findings))
+    stopped = has_errors(findings) or (strict and _has_warnings(findings))
     return Conversion(
         None if stopped else data, program, other, machine_in, machine, apart, tuple(findings)
     )
@@ -203,7 +203,7 @@ def _of_reader(read_findings: Sequence[Diagnostic], stays: bool) -> list[Diagnos
     return findings
 
 
-def _warned(findings: list[Diagnostic]) -> bool:
+def _has_warnings(findings: list[Diagnostic]) -> bool:
     return any(d.severity >= Severity.WARNING for d in findings)
 
 

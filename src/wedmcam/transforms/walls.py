@@ -88,12 +88,12 @@ def thin(
             close_pairs.add((a, b))
             findings.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
     findings.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
-    listed = [f[2] for f in findings[:LISTED]]
+    shown = [f[2] for f in findings[:LISTED]]
     if len(findings) > LISTED:
         more = len(findings) - LISTED
         make = error if any(f[2].severity is Severity.ERROR for f in findings[LISTED:]) else warning
-        listed.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
-    return listed, close_pairs
+        shown.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
+    return shown, close_pairs
 
 
 def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:

@@ -190,10 +190,10 @@ def resolve(source: Source, raw: Raw, limits: Limits) -> Loops:
         np.column_stack(mid),
         walls,
     )
-    return _judged(raw, _without_slivers(source, raw, found))
+    return _judge_loops(raw, _without_slivers(source, raw, found))
 
 
-def _judged(raw: Raw, found: Loops) -> Loops:
+def _judge_loops(raw: Raw, found: Loops) -> Loops:
     """Return the loops, the first pieces of those that do not turn once round marked as lost.
 
     A loop that crosses itself is wrong, however well its pieces fit together.

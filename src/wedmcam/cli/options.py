@@ -324,11 +324,11 @@ def format_of(output: str, to: str | None, profile: Machine | None = None) -> st
         return to
     if profile is not None:
         return profile.format
-    found = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
-    if found is None:
+    format_ = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
+    if format_ is None:
         known = ", ".join(FORMAT_OF_SUFFIX)
         raise WrongUse(f"the name {output} does not tell the format ({known}): give --to")
-    return found
+    return format_
 
 
 def warn_of_idle(names: Set[str], why: str) -> None:

@@ -93,11 +93,11 @@ class Vocabulary:
         """
         starts, entry, ranged, letter_entry = self._segments
         at = letters.astype(np.int64) * PER_LETTER
-        found = entry[np.searchsorted(starts, at + tenths, "right") - 1]
-        dotted = ranged[found] & (tenths % PER_CODE != 0)
+        rows = entry[np.searchsorted(starts, at + tenths, "right") - 1]
+        dotted = ranged[rows] & (tenths % PER_CODE != 0)
         if dotted.any():  # a range is of whole numbers
-            found = np.where(dotted, letter_entry[letters], found)
-        return found
+            rows = np.where(dotted, letter_entry[letters], rows)
+        return rows
 
     @cached_property
     def classes(self) -> NDArray[np.int8]:

@@ -54,11 +54,11 @@ def meanings(of: type) -> dict[str, str]:
     'count length J of one block.'
     """
     text = inspect.getdoc(of) or ""
-    _, _, listed = text.partition("Attributes:\n")
-    found: dict[str, str] = {}
-    for name, meaning in re.findall(r"^    (\w+): (.*(?:\n(?:        .*|))*)", listed, re.M):
-        found[name] = " ".join(re.sub("`+", "", meaning).split())
-    return found
+    _, _, attributes = text.partition("Attributes:\n")
+    out: dict[str, str] = {}
+    for name, meaning in re.findall(r"^    (\w+): (.*(?:\n(?:        .*|))*)", attributes, re.M):
+        out[name] = " ".join(re.sub("`+", "", meaning).split())
+    return out
 
 
 def about(of: type) -> list[str]:

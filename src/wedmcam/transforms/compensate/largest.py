@@ -96,11 +96,11 @@ def largest_offset(
     least, most = _whole(low), int(np.ceil(high - SEARCH_UM - 1e-9))
     while worst is not None and least < most:
         middle = (least + most) // 2
-        found = trouble(middle + SEARCH_UM)
-        if found is None:
+        problem = trouble(middle + SEARCH_UM)
+        if problem is None:
             low, least = middle + SEARCH_UM, middle + 1
         else:
-            most, worst = middle, found
+            most, worst = middle, problem
     if worst is not None and radius is not None and 0 <= low - radius.size <= CORNER_UM:
         return Largest(radius.size, radius)  # a fillet up to half a step smaller is a corner
     return Largest(low, worst)

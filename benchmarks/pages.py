@@ -279,7 +279,7 @@ def profiles_page() -> str:
         "open: limits, layout, control words. Give it with `--profile NAME` or `--profile",
         "FILE.toml`. `wedmcam profile show NAME` prints one with every value in force, to start",
         "from; `wedmcam profile check FILE.toml` says everything that is wrong with it. A key that",
-        "nobody reads is an error: a misspelt limit would be no limit. Which line table and",
+        "is not known is an error: a misspelt limit would be no limit. Which line table and",
         "counting a controller has, how its axes lie: [probe.md](probe.md).",
         "",
         "## Built in",

@@ -164,11 +164,11 @@ def plan_of(data: bytes, name: str, options: Any) -> str:
     run = Run()
     try:
         if hasattr(pipeline, "planned"):
-            plan = pipeline.planned(data, name, options, [], run)[1]
+            plan = pipeline.plan_source(data, name, options, [], run)[1]
         else:
             plan = pipeline.plan(pipeline.read(data, name, options, run), options, run)
     except Refused:
-        return ",".join(sorted({d.code for d in run.found if d.severity.name == "ERROR"}))
+        return ",".join(sorted({d.code for d in run.findings if d.severity.name == "ERROR"}))
     digest = hashlib.sha256()
 
     def add(contour: Any) -> None:

@@ -58,7 +58,7 @@ def _give_streams() -> None:
 def _status(why: BaseException) -> int:
     """Return the exit status of what ended the run, and print what it was."""
     if isinstance(why, BrokenPipeError):
-        # Nobody reads any more: that is their right.
+        # The reader closed its end of the pipe: that is its right.
         return 141
     if isinstance(why, SystemExit):
         return why.code if isinstance(why.code, int) else 1

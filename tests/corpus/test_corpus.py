@@ -21,7 +21,7 @@ from wedmcam import api
 from wedmcam.diag import Severity
 from wedmcam.frontends.dxf import read
 from wedmcam.frontends.options import DrawingReading
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.transforms.chain import chain
 
 with (Path(__file__).parent / "expected.tsv").open(encoding="utf-8") as table:
@@ -91,7 +91,7 @@ def test_a_program_of_a_part_becomes_a_part_program(row, folder):
     data = (folder / row["file"]).read_bytes()
     made = api.compile(data, name=row["file"], units=row["units"] or None, offset=0.05)
     assert made.ok
-    came_back = conversion.convert(made.data, to="wed", name="part.3b")
+    came_back = convert.convert(made.data, to="wed", name="part.3b")
     assert came_back.ok, [d.message for d in came_back.findings]
 
 

@@ -16,7 +16,7 @@ from wedmcam.diag import has_errors
 from wedmcam.frontends import decoder
 from wedmcam.ir.program import Kind
 from wedmcam.machines import Axes, builtin
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "property"))
 from test_axes_laws import EXPECTED, oriented
@@ -140,7 +140,7 @@ def test_convert_and_diff_carry_orientations(to):
     made = wedmcam.compile(L, offset=0.1, profile=mine)
     for way in WAYS[::3]:
         target = oriented(to, way)
-        turned = conversion.convert(made.data, to=target.format, profile=target, profile_in=mine)
+        turned = convert.convert(made.data, to=target.format, profile=target, profile_in=mine)
         assert turned.ok, turned.findings
         apart, _ = api.diff(made.data, turned.data, profiles=(mine, target))
         assert apart.equal

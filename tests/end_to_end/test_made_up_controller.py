@@ -64,7 +64,7 @@ def test_its_own_interpolator_is_what_is_judged():
 
 
 def test_a_program_of_it_becomes_3b_and_is_told():
-    from wedmcam.operations import convert as conversion
+    from wedmcam.operations import convert
     from wedmcam.programs.rows import dump
 
     compilation = api.compile(SAMPLES / "key-punch.dxf", profile=made_up.MACHINE, offset=0.1)
@@ -72,7 +72,7 @@ def test_a_program_of_it_becomes_3b_and_is_told():
     assert len(rows) == len(compilation.program.blocks)
     figures = api.figures(compilation.program, made_up.MACHINE)
     assert figures["closure_um"] == 0
-    there = conversion.convert(compilation.data, to="3b", profile_in=made_up.MACHINE, name="a.txt")
+    there = convert.convert(compilation.data, to="3b", profile_in=made_up.MACHINE, name="a.txt")
     assert there.program is not None
     rest = api.compile(SAMPLES / "key-punch.dxf", profile=made_up.MACHINE, offset=0.1, from_block=4)
     assert rest.ok, [d.message for d in rest.findings]

@@ -13,7 +13,7 @@ from wedmcam import api
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.judge.difference import difference
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.options import Options
 from wedmcam.targets import Entries
 
@@ -31,7 +31,7 @@ READ_AS = {
 
 def again(data: bytes, name: str, **more):
     """Return the text, and the two programs compared within 1 um by their own formats."""
-    made = conversion.convert(data, to="wed", name=name, **more)
+    made = convert.convert(data, to="wed", name=name, **more)
     assert made.ok, [str(d) for d in made.findings]
     compiled = api.compile(made.data, name="again.wed")
     assert compiled.ok, [str(d) for d in compiled.findings]
@@ -48,7 +48,7 @@ def test_golden_programs_come_back(name: str) -> None:
     elif name.endswith(".4b"):
         given = Entries(gap_um=100, outwards=".die" not in name)
     machine = READ_AS.get(name)
-    made = conversion.convert(data, to="wed", name=name, entered=given, profile_in=machine)
+    made = convert.convert(data, to="wed", name=name, entered=given, profile_in=machine)
     assert made.ok, [str(d) for d in made.findings]
     compiled = api.compile(made.data, profile=made.machine_in, name="again.wed")
     assert compiled.ok, [str(d) for d in compiled.findings]
@@ -113,7 +113,7 @@ def test_stop_and_overcut_and_several_contours() -> None:
 def test_a_pause_that_no_cut_makes_is_said(text: str, lines: list[int]) -> None:
     hole = "B900B0B900GXL1\nB900B0B3600GYNR1\nB900B0B900GXL3"
     data = text.format(hole=hole).encode()
-    made = conversion.convert(data, to="wed", name="a.3b", format="3b")
+    made = convert.convert(data, to="wed", name="a.3b", format="3b")
     assert made.ok
     assert [d.span.line for d in made.findings if d.code == "not-carried"] == lines
 
@@ -130,13 +130,13 @@ def test_contours_of_one_thread_point_are_told_apart() -> None:
 
 def test_what_has_no_place_is_said() -> None:
     data = b"B0B500B500GYL2 D B500B0B500GXL1 B0B500B500GYL4\nM7\nDD"
-    made = conversion.convert(data, to="wed", name="a.3b", format="3b")
+    made = convert.convert(data, to="wed", name="a.3b", format="3b")
     lost = [d for d in made.findings if d.code == "not-carried"]
     assert [(d.span.line, d.span.column) for d in lost] == [(1, 1), (2, 1)]
     assert "pause" in lost[0].message
     assert "M7" in lost[1].message
     assert made.ok
-    assert not conversion.convert(data, to="wed", name="a.3b", format="3b", strict=True).ok
+    assert not convert.convert(data, to="wed", name="a.3b", format="3b", strict=True).ok
 
 
 @pytest.mark.parametrize("seed", range(0, 60, 4))
@@ -165,7 +165,7 @@ record = st.one_of(
 @settings(max_examples=60, deadline=None)
 def test_any_program_comes_back_or_is_refused(records: list[str]) -> None:
     data = "\n".join([*records, "DD"]).encode()
-    made = conversion.convert(data, to="wed", name="a.3b", format="3b")
+    made = convert.convert(data, to="wed", name="a.3b", format="3b")
     if made.ok:
         told = api.diff(data, api.compile(made.data, name="a.wed").data, names=("a.3b", "b.3b"))[0]
         # Moves before the first cut and behind the last are left out, and that is said.

@@ -14,7 +14,7 @@ from wedmcam.frontends import DECODERS
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin, default
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.operations.together import compile_several
 from wedmcam.options import Options
 
@@ -36,7 +36,7 @@ def test_every_format_of_a_sample_is_the_same_path(sample):
     # ... and each is what `convert` makes of the first, or steps like it.
     first = made.compilations[0]
     for one in made.compilations[1:]:
-        again = conversion.convert(first.data, to=one.machine.format, format="3b")
+        again = convert.convert(first.data, to=one.machine.format, format="3b")
         assert again.ok
         tables = [m.own_stepping for m in (one.machine, again.machine)]
         assert difference(one.program, again.program_out, *tables).equal

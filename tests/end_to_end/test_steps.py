@@ -26,7 +26,7 @@ from wedmcam.frontends import decoder
 from wedmcam.ir.program import Kind, Role
 from wedmcam.judge.certificate import fingerprint
 from wedmcam.machines import Axes, builtin
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.reports import setup_sheet
 from wedmcam.reports.block import explain_block
 
@@ -187,16 +187,16 @@ def test_diff_compares_true_lengths():
 def test_convert_keeps_the_step_and_refuses_another():
     coarse = stepping("b3-compact", 5.0)
     made = wedmcam.compile(L, offset=0.1, profile=coarse)
-    same = conversion.convert(made.data, profile=stepping("iso-mm", 5.0), profile_in=coarse)
+    same = convert.convert(made.data, profile=stepping("iso-mm", 5.0), profile_in=coarse)
     assert same.ok, same.findings
-    square = conversion.convert(made.data, profile=stepping("zd065", 5.0), profile_in=coarse)
+    square = convert.convert(made.data, profile=stepping("zd065", 5.0), profile_in=coarse)
     assert square.ok, square.findings
-    other = conversion.convert(made.data, to="iso", profile_in=coarse)
+    other = convert.convert(made.data, to="iso", profile_in=coarse)
     assert not other.ok
     assert other.status == 1
     assert [d.code for d in other.findings if d.severity is Severity.ERROR] == ["other-step"]
     # The cure: the path as a drawing, compiled again.
-    path = conversion.convert(made.data, to="dxf", profile_in=coarse)
+    path = convert.convert(made.data, to="dxf", profile_in=coarse)
     again = wedmcam.compile(path.data, side="on", layers=("CUT",))
     assert again.ok, again.findings
     sizes = [np.subtract(v.extents_um[2:], v.extents_um[:2]) for v in (again.verdict, made.verdict)]
@@ -207,7 +207,7 @@ def test_convert_keeps_the_step_and_refuses_another():
 def test_a_part_program_made_of_a_program_is_in_true_mm(step_um):
     machine = stepping("b3-compact", step_um, mirror_x=True)
     made = wedmcam.compile(L, offset=0.1, profile=machine)
-    text = conversion.convert(made.data, to="wed", profile_in=machine)
+    text = convert.convert(made.data, to="wed", profile_in=machine)
     assert text.ok, text.findings
     assert b"from (" in text.data
     again = wedmcam.compile(text.data, name="l.wed")  # for a machine of 1 um

@@ -209,10 +209,10 @@ def passes(made: Any, program: Program, ours: bool) -> bool:
     run = Run()
     try:
         how = proof.Placing(None, proof.given_points(made.drawn, made.options), False, ours)
-        proof.placed(program, made.plan, target_of(made.machine), made.options, how, run)
+        proof.place_program(program, made.plan, target_of(made.machine), made.options, how, run)
     except Refused:
         return False
-    return all(d.severity < Severity.ERROR for d in run.found)
+    return all(d.severity < Severity.ERROR for d in run.findings)
 
 
 def counted(made: Any) -> str:
@@ -222,7 +222,7 @@ def counted(made: Any) -> str:
 
 def strict(made: Any, program: Program) -> bool:
     """Return whether the judge of ``compile`` passes a program, which knows where it starts."""
-    return pipeline.judged(program, made.plan, target_of(made.machine), made.options)[0].ok
+    return pipeline.judge_program(program, made.plan, target_of(made.machine), made.options)[0].ok
 
 
 #: Small parts: name -> what is compiled (None: a plate with two holes), and how.

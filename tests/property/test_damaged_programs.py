@@ -24,9 +24,9 @@ def whole(format_):
 
 
 def api_convert(path, format_):
-    from wedmcam.operations import convert as conversion
+    from wedmcam.operations import convert
 
-    return conversion.convert(path, to=format_)
+    return convert.convert(path, to=format_)
 
 
 PROGRAMS = {format_: whole(format_) for format_ in DECODERS}
@@ -91,10 +91,10 @@ def test_anything(format_, data):
 def test_what_was_damaged_is_converted_or_refused(format_, data):
     """`convert` of anything ends in a proven program or in an error."""
     raw = data.draw(damaged(PROGRAMS[format_]))
-    from wedmcam.operations import convert as conversion
+    from wedmcam.operations import convert
 
     to = data.draw(st.sampled_from(["3b", "compact"]))
-    made = conversion.convert(raw, to=to, format=format_)
+    made = convert.convert(raw, to=to, format=format_)
     assert made.ok or has_errors(made.findings)
     if made.ok:
         assert made.difference.equal

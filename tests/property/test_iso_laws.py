@@ -18,7 +18,7 @@ from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin, names
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 
 ISO = [n for n in names() if builtin(n).format == "iso"]
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -27,7 +27,7 @@ ROTATE = of_table("rotate")
 
 def as_iso(program, name):
     """A program of 3B blocks as the ISO text of a profile; None where a block is too large."""
-    _, made, _, found = conversion.between(program, builtin("b3-compact"), builtin(name))
+    _, made, _, found = convert.between(program, builtin("b3-compact"), builtin(name))
     if made is None or has_errors(found):
         return None
     data, found = encoder("iso")(made, builtin(name))
@@ -111,7 +111,7 @@ def test_forged_programs_are_refused(old, new):
 
 def test_turns_are_parted():
     """ISO states where an arc ends, once; two turns in halves and a half are five blocks."""
-    made = conversion.convert(b"B2100B0B21000GYNR1 DD", to="iso", format="3b")
+    made = convert.convert(b"B2100B0B21000GYNR1 DD", to="iso", format="3b")
     assert made.ok, made.findings
     assert made.difference.largest_um == 0
     assert int((made.program_out.blocks["turn"] == 1).sum()) == 5
@@ -131,12 +131,12 @@ def test_full_circles_are_two_halves_of_the_same_steps(sense, start, size, name)
     circle = f"B{abs(x)}B{abs(y)}B{turn}GY{sense}{digit} DD".encode()
     if abs(x) <= abs(y):  # counted on the axis of the last step
         circle = circle.replace(b"GY", b"GX")
-    halves = conversion.convert(circle, to="iso", format="3b", profile=name)
+    halves = convert.convert(circle, to="iso", format="3b", profile=name)
     assert halves.ok, halves.findings
     assert halves.difference.largest_um == 0
     assert halves.data.count(b"I") == 2
     whole = replace(builtin(name), iso=replace(builtin(name).iso, full_circle="one"))
-    one = conversion.convert(circle, to="iso", format="3b", profile=whole)
+    one = convert.convert(circle, to="iso", format="3b", profile=whole)
     assert one.ok
     assert one.data.count(b"I") == 1
     told, _ = api.diff(halves.data, one.data, names=("a.nc", "b.nc"), profiles=(name, name))

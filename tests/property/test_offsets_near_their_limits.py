@@ -59,9 +59,9 @@ def outcome(contours, profile="b3-compact", **options):
     drawn = Drawn(sketch, tuple(contours), report, nest(contours), False, groups=groups)
     try:
         plan = pipeline.plan_of(drawn, asked, [target], run)
-        pipeline.compiled(plan, target, asked, run)
+        pipeline.write_and_prove(plan, target, asked, run)
     except Refused as why:
-        return why.stage, [d for d in run.found if d.severity is Severity.ERROR]
+        return why.stage, [d for d in run.findings if d.severity is Severity.ERROR]
     return "", []
 
 

@@ -12,7 +12,7 @@ from wedmcam.diag import Severity
 from wedmcam.frontends import decoder
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Axis, Kind
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.targets import Entries
 
 M = machines.builtin("b4-compact")
@@ -125,9 +125,9 @@ def test_round_trip():
             **options,
         )  # fmt: skip
         entered = Entries(gap_um=100, outwards=options.get("side") != "die")
-        outline = conversion.convert(made.data, to="4b", name="a.3b", entered=entered)
+        outline = convert.convert(made.data, to="4b", name="a.3b", entered=entered)
         assert outline.ok, [d.message for d in outline.findings]
-        back = conversion.convert(outline.data, to="3b", name="a.4b", entered=entered)
+        back = convert.convert(outline.data, to="3b", name="a.4b", entered=entered)
         assert back.ok
         assert back.difference.largest_um <= 1.0
         plain, _ = decoder("4b")(outline.data, M, "a.4b")

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from wedmcam import machines
 from wedmcam.cli.main import cli
 from wedmcam.ir.program import Kind
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.targets import target_of
 from wedmcam.targets.entries import Entries
 
@@ -33,7 +33,7 @@ def codes(made):
     ],
 )
 def test_golden_programs_become_every_format(name, to):
-    made = conversion.convert(GOLDEN / name, to=to, profile_in=WHOLE_UM.get(name))
+    made = convert.convert(GOLDEN / name, to=to, profile_in=WHOLE_UM.get(name))
     assert made.ok, codes(made)
     assert made.difference.largest_um <= 1
     assert made.machine.format == to
@@ -43,16 +43,16 @@ def test_golden_programs_become_every_format(name, to):
 def test_both_compiled_programs_become_each_other(name):
     # One lowering serves both, so nothing is lost on the way.
     text, memory = (GOLDEN / f"{name}.3b").read_bytes(), (GOLDEN / f"{name}.zd").read_bytes()
-    assert conversion.convert(memory, to="3b", format="compact").data == text
-    assert conversion.convert(text, to="compact", format="3b").data == memory
+    assert convert.convert(memory, to="3b", format="compact").data == text
+    assert convert.convert(text, to="compact", format="3b").data == memory
 
 
 def test_an_arc_whose_last_step_does_not_count_on_the_square_ends_in_a_line():
     # Counted on X, the arc from (0, 100) stops at a step along x; y leads there on the square.
-    made = conversion.convert(b"B100B0B95GYNR1 DD", to="compact")
+    made = convert.convert(b"B100B0B95GYNR1 DD", to="compact")
     assert made.ok, codes(made)
     made = [
-        conversion.convert(f"B{x}B{y}B{j}G{g}NR1 DD".encode(), to="compact")
+        convert.convert(f"B{x}B{y}B{j}G{g}NR1 DD".encode(), to="compact")
         for x, y in ((100, 0), (71, 70), (997, 76))
         for j in range(3, 60, 7)
         for g in "XY"
@@ -63,25 +63,23 @@ def test_an_arc_whose_last_step_does_not_count_on_the_square_ends_in_a_line():
 
 @pytest.mark.parametrize("record", ["B9900B0B100000GYNR1", "B71B70B900GXSR1", "B2100B0B8402GYNR1"])
 def test_more_than_a_turn_stays_one_arc(record):
-    made = conversion.convert(f"{record} DD".encode(), to="compact")
+    made = convert.convert(f"{record} DD".encode(), to="compact")
     assert made.ok, codes(made)
     assert (made.program_out.blocks["kind"] == Kind.ARC).sum() == 1
-    assert conversion.convert(made.data, to="3b").difference.largest_um == 0
+    assert convert.convert(made.data, to="3b").difference.largest_um == 0
 
 
 def test_long_blocks_are_parted():
-    wide = conversion.convert(b"B900000B900000B900000GYL1 DD", to="rotation")
+    wide = convert.convert(b"B900000B900000B900000GYL1 DD", to="rotation")
     assert wide.ok, codes(wide)
 
 
 def test_what_is_lost_is_said():
-    made = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="compact")
+    made = convert.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="compact")
     assert made.ok
     assert "not-carried" in codes(made)
-    assert not conversion.convert(
-        b"B17000B5000B17000GXL1\nQUENCH\nDD\n", to="compact", strict=True
-    ).ok
-    kept = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="3b")
+    assert not convert.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\n", to="compact", strict=True).ok
+    kept = convert.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="3b")
     assert b"QUENCH\nDD\nE\n" in kept.data
 
 
@@ -95,7 +93,7 @@ def test_another_path_is_refused(monkeypatch):
         return data.replace(b"B17000B5000", b"B17000B5100"), found
 
     monkeypatch.setattr(b3, "encode", forged)
-    made = conversion.convert(bytes.fromhex("01 017000 005000 00"), to="3b", format="compact")
+    made = convert.convert(bytes.fromhex("01 017000 005000 00"), to="3b", format="compact")
     assert not made.ok
     assert made.status == 3
     assert codes(made)[-1] == "conversion-differs"
@@ -103,7 +101,7 @@ def test_another_path_is_refused(monkeypatch):
 
 def test_moves_and_pauses_stay():
     text = (GOLDEN / "plate.3b").read_bytes()
-    made = conversion.convert(text, to="compact")
+    made = convert.convert(text, to="compact")
     for kind in (Kind.MOVE, Kind.PAUSE):
         count = int(np.sum(made.program.blocks["kind"] == kind))
         assert count
@@ -114,9 +112,9 @@ def test_a_target_can_be_registered(monkeypatch):
     def as_count(program, machine, name):
         return str(len(program.blocks)).encode(), []
 
-    monkeypatch.setitem(conversion.OUTPUTS, "count", "tests_target:f")
-    monkeypatch.setattr(conversion, "import_module", lambda m: type("M", (), {"f": as_count}))
-    made = conversion.convert(b"B17000B5000B17000GXL1 DD", to="count")
+    monkeypatch.setitem(convert.OUTPUTS, "count", "tests_target:f")
+    monkeypatch.setattr(convert, "import_module", lambda m: type("M", (), {"f": as_count}))
+    made = convert.convert(b"B17000B5000B17000GXL1 DD", to="count")
     assert made.data == b"2"
 
 
@@ -141,7 +139,7 @@ HOLE = "B900B0B900GXL1\nB1900B0B7600GYNR1\nB900B0B900GXL3\n"
 
 def part_of(text, format="3b"):
     data = text if isinstance(text, bytes) else f"{text}DD\n".encode()
-    return conversion.convert(data, to="wed", format=format)
+    return convert.convert(data, to="wed", format=format)
 
 
 def test_a_part_program_keeps_the_defaults_of_a_shop_out():
@@ -199,7 +197,7 @@ M02
 @pytest.mark.parametrize("to", ["3b", "4b", "compact", "rotation", "compensation", "wed", "dxf"])
 def test_field_m_words(to):
     # A bare M20 in a 3B file is a word that no 3B controller knows.
-    made = conversion.convert(M_WORDS.encode(), to=to, units_in="mm", entered=NO_GAP)
+    made = convert.convert(M_WORDS.encode(), to=to, units_in="mm", entered=NO_GAP)
     assert made.ok, [str(d) for d in made.findings]
     lost = [d for d in made.findings if d.code == "not-carried"]
     assert [d.count for d in lost] == [4]
@@ -207,15 +205,15 @@ def test_field_m_words(to):
     assert lost[0].span.line == 3
     if to in ("3b", "4b"):
         assert b"M" not in made.data
-    strict = conversion.convert(M_WORDS.encode(), to=to, units_in="mm", entered=NO_GAP, strict=True)
+    strict = convert.convert(M_WORDS.encode(), to=to, units_in="mm", entered=NO_GAP, strict=True)
     assert not strict.ok
 
 
 def test_words_stay_where_both_formats_have_them():
-    iso = conversion.convert(M_WORDS.encode(), to="iso", units_in="mm")
+    iso = convert.convert(M_WORDS.encode(), to="iso", units_in="mm")
     assert b"M20\r\nM80\r\n" in iso.data
     assert "not-carried" not in codes(iso)
-    four = conversion.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="4b", entered=NO_GAP)
+    four = convert.convert(b"B17000B5000B17000GXL1\nQUENCH\nDD\nE\n", to="4b", entered=NO_GAP)
     assert b"QUENCH" in four.data
 
 
@@ -223,12 +221,12 @@ def test_words_stay_where_both_formats_have_them():
 @pytest.mark.parametrize("format_", ["3b", "4b"])
 def test_words_of_3b_and_4b_are_named_with_their_count(format_, to):
     text = b"B5000B0B5000GXL1\nQUENCH\nB0B5000B5000GYL2\nWASH\nQUENCH\nDD\nE\n"
-    made = conversion.convert(text, to=to, format=format_, entered=NO_GAP)
+    made = convert.convert(text, to=to, format=format_, entered=NO_GAP)
     assert made.ok, codes(made)
     lost = [d for d in made.findings if d.code == "not-carried"]
     assert [d.count for d in lost] == [3]
     assert "QUENCH (2 times), WASH" in lost[0].message
-    strict = conversion.convert(text, to=to, format=format_, entered=NO_GAP, strict=True)
+    strict = convert.convert(text, to=to, format=format_, entered=NO_GAP, strict=True)
     assert not strict.ok
 
 
@@ -236,9 +234,9 @@ def test_words_of_3b_and_4b_are_named_with_their_count(format_, to):
 def test_a_machine_that_names_its_words_gets_none_of_another(profile):
     # M20 threads the wire at one machine and drills at the next.
     text = M_WORDS.replace("M81", "M81\nM08\nM99999\nM50")
-    made = conversion.convert(text.encode(), profile=profile, units_in="mm", feed_um=2000.0)
+    made = convert.convert(text.encode(), profile=profile, units_in="mm", feed_um=2000.0)
     assert made.ok, codes(made)
-    own = conversion.convert(made.data, to="3b", profile_in=profile)
+    own = convert.convert(made.data, to="3b", profile_in=profile)
     assert "unknown-word" not in codes(own)
     assert not [t for t in made.data.decode().splitlines() if t.strip("N0123456789 ") == "M20"]
     lost = [d for d in made.findings if d.code == "not-carried"]

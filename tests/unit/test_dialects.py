@@ -17,7 +17,7 @@ from wedmcam.frontends.iso.dialect import QUESTIONS
 from wedmcam.frontends.iso.style import style_of
 from wedmcam.ir.program import Kind
 from wedmcam.judge.difference import difference
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.targets import Entries
 
 ROOT = Path(__file__).parents[2]
@@ -68,7 +68,7 @@ def test_a_profile_that_only_reads_reads(reader):
     program, _, found = api.read_program(text, profile=machine, name="a.nc")
     assert errors(found) == []
     for to in ("3b", "wed", "dxf", "svg"):
-        done = conversion.convert(text, to=to, profile_in=machine, name="a.nc")
+        done = convert.convert(text, to=to, profile_in=machine, name="a.nc")
         assert done.ok, [d.message for d in done.findings]
     assert api.verify(text, profile=machine, name="a.nc").ok
     assert len(program.blocks) == 4
@@ -225,13 +225,13 @@ def test_a_program_of_each_dialect_is_stepped_as_its_machine_cuts(name):
 @pytest.mark.parametrize("name", DIALECTS)
 def test_it_becomes_3b_and_comes_back(name):
     entered = Entries(d=ENTERED.get(name, ()))
-    there = conversion.convert(
+    there = convert.convert(
         text_of(name), to="3b", profile_in=name, name=f"{name}.nc", entered=entered
     )
     assert there.ok, [d.message for d in there.findings]
     assert there.difference.distance_um == 0
     profile = name if machines.builtin(name).writes else "iso-mm"
-    back = conversion.convert(there.data, to="iso", profile=profile, name="a.3b")
+    back = convert.convert(there.data, to="iso", profile=profile, name="a.3b")
     assert back.ok, [d.message for d in back.findings]
     again, machine, found = api.read_program(back.data, profile=profile, name="b.nc")
     assert errors(found) == []
@@ -418,9 +418,9 @@ def test_samples_are_written_in_words_of_the_dialect_and_read_back(name, profile
     assert [d.code for d in found if d.severity > Severity.NOTE] == []
     apart = difference(program, one.program, machine.stepping, one.machine.stepping)
     assert apart.equal
-    there = conversion.convert(one.data, to="3b", profile_in=profile, name="a.nc")
+    there = convert.convert(one.data, to="3b", profile_in=profile, name="a.nc")
     assert there.ok, [d.message for d in there.findings]
-    back = conversion.convert(there.data, to="iso", profile=profile, name="a.3b")
+    back = convert.convert(there.data, to="iso", profile=profile, name="a.3b")
     assert back.ok, [d.message for d in back.findings]
     assert back.difference.distance_um == there.difference.distance_um == 0
 
@@ -429,7 +429,7 @@ def test_samples_are_written_in_words_of_the_dialect_and_read_back(name, profile
 def test_m_words_of_another_machine_are_no_words_of_a_dialect(profile):
     """M17 is machining on at Makino; what it is at a Fanuc machine no source states."""
     data = text_of("fanuc").replace(b"M00;", b"M17;\nM00;")
-    done = conversion.convert(
+    done = convert.convert(
         data,
         to="iso",
         profile=profile,
@@ -488,13 +488,13 @@ def test_words_that_a_conversion_loses_are_named_as_lost():
     text = b"G90;\nG92 X0.0 Y0.0;\nT84;\nC001;\nG01 X5.0 Y0.0;\nG01 Y5.0;\nT85;\nT84;\nM02;\n"
     _, _, found = api.read_program(text, name="a.nc", profile="sodick", shown=True)
     assert [(str(d.severity), d.code) for d in found] == [("note", "iso-harmless")]
-    done = conversion.convert(text, to="3b", name="a.nc", profile_in="sodick")
+    done = convert.convert(text, to="3b", name="a.nc", profile_in="sodick")
     (lost,) = [d for d in done.findings if d.code == "not-carried"]
     assert lost.severity is Severity.WARNING
     assert "T84 (2 times): pump on" in lost.message
     for word in ("C001", "T85"):
         assert word in lost.message
-    assert not conversion.convert(text, to="3b", name="a.nc", profile_in="sodick", strict=True).ok
+    assert not convert.convert(text, to="3b", name="a.nc", profile_in="sodick", strict=True).ok
 
 
 def test_identify_knows_programs_that_are_written_for_linuxcnc_and_grbl():

@@ -215,9 +215,9 @@ def test_every_layout_is_the_same_program(iso):
 
 @pytest.mark.parametrize("word", ["X1.5E-3", "X1.e1", "Y2E+1"])
 def test_an_exponent_is_no_number(word):
-    from wedmcam.operations import convert as conversion
+    from wedmcam.operations import convert
 
     text = f"G90 G21\nG92 X0 Y0\nG01 {word} I0\nX5. Y0.\nM02\n".encode()
-    there = conversion.convert(text, to="3b", name="a.nc", whole_in="mm")
+    there = convert.convert(text, to="3b", name="a.nc", whole_in="mm")
     assert not there.ok
     assert any(d.code == "iso-word" and word in d.message for d in there.findings)

@@ -12,7 +12,7 @@ from wedmcam import api, machines
 from wedmcam.cli.main import cli
 from wedmcam.diag import Severity
 from wedmcam.judge.difference import difference
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.options import WrongUse
 
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -44,7 +44,7 @@ def test_what_is_written_is_read_back_without_a_question(name):
     text = made.data.decode()
     assert text.startswith("G21\r\nG92 X")
     assert text.splitlines()[2] == "G90"
-    done = conversion.convert(made.data, to="3b", name="part.nc")
+    done = convert.convert(made.data, to="3b", name="part.nc")
     assert done.ok, [d.message for d in done.findings]
     assert not [d for d in done.findings if d.severity > Severity.NOTE]
     ways = made.machine.stepping, done.machine.stepping

@@ -19,7 +19,7 @@ from wedmcam.frontends.answers import ANSWERS
 from wedmcam.frontends.iso.dialect import QUESTIONS, reads_as_words
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.options import WrongUse
 
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -176,8 +176,8 @@ def test_whatever_writes_or_proves_refuses_and_whatever_shows_says_it_first(
 def test_library_functions_refuse_too():
     assert not api.verify(WHOLE.encode(), name="a.nc").ok
     assert api.verify(WHOLE.encode(), name="a.nc", whole_in="mm").ok
-    assert not conversion.convert(WHOLE.encode(), to="3b", name="a.nc").ok
-    made = conversion.convert(WHOLE.encode(), to="3b", name="a.nc", whole_in="mm")
+    assert not convert.convert(WHOLE.encode(), to="3b", name="a.nc").ok
+    made = convert.convert(WHOLE.encode(), to="3b", name="a.nc", whole_in="mm")
     assert made.ok
     assert made.difference.largest_um == 0
     one = WHOLE.encode()
@@ -365,7 +365,7 @@ def test_a_certificate_of_a_foreign_program_keeps_what_was_said(tmp_path, monkey
     text = "G21 G90\nG92 X0 Y0\nG01 X10\nY10\nX0\nY0\nM02\n"
     Path("a.nc").write_text(text)
     run = CliRunner().invoke
-    made = conversion.convert(text.encode(), to="dxf", name="a.nc", whole_in="mm")
+    made = convert.convert(text.encode(), to="dxf", name="a.nc", whole_in="mm")
     Path("a.dxf").write_bytes(made.data)
     line = ["verify", "a.nc", "--against", "a.dxf", "--layer", "CUT", "--certificate", "c.json"]
     done = run(cli, [*line, "--whole-in", "mm"], standalone_mode=False)
@@ -386,7 +386,7 @@ def test_what_a_profile_writes_behind_semicolons_is_a_comment():
 
 
 def test_a_call_is_not_written_either():
-    made = conversion.convert(b"B5000B0B5000GXL1\nM98\nDD\n", to="iso", format="3b")
+    made = convert.convert(b"B5000B0B5000GXL1\nM98\nDD\n", to="iso", format="3b")
     assert [d.code for d in made.findings if d.severity is Severity.ERROR] == ["not-in-format"]
 
 
@@ -597,5 +597,5 @@ def test_m_words_that_may_change_the_path(word):
     text = f"G90 G21\nG92 X0.0 Y0.0\n{word}\nG01 X5.0 Y0.0\nM02\n"
     assert asked(text) == ["iso-code"]
     assert asked(text.replace(word, "") + word) == []  # behind the end
-    made = conversion.convert(f"{word.upper()}\nB5000B0B5000GXL1\nDD\n".encode(), to="iso")
+    made = convert.convert(f"{word.upper()}\nB5000B0B5000GXL1\nDD\n".encode(), to="iso")
     assert [d.code for d in made.findings if d.severity is Severity.ERROR] == ["not-in-format"]

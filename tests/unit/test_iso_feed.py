@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import wedmcam
 from wedmcam.cli.main import cli
 from wedmcam.machines import builtin
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 PLATE = str(SAMPLES / "plate.dxf")
@@ -82,7 +82,7 @@ def test_convert_writes_f_and_says_where_there_is_none(here):
     for output in ("c.nc", "c.zd", "c.svg"):
         _, _, err = run("convert", "a.3b", "-o", output, "--feed", "2")
         assert "warning: --feed has no effect" in err
-    made = conversion.convert("a.3b", profile="linuxcnc", feed_um=3000.0)
+    made = convert.convert("a.3b", profile="linuxcnc", feed_um=3000.0)
     assert b"\nF3.0\n" in made.data
 
 

@@ -14,7 +14,7 @@ import wedmcam
 from wedmcam import api, machines
 from wedmcam.diag import Severity
 from wedmcam.judge.difference import difference
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "samples"
@@ -78,7 +78,7 @@ def test_samples_are_read_as_they_are_written(name):
     program, found = read(one.data.decode())
     assert codes(found) == []
     assert difference(program, one.program, *[one.machine.stepping] * 2).equal
-    done = conversion.convert(one.data, to="3b", profile_in="linuxcnc", name="a.nc")
+    done = convert.convert(one.data, to="3b", profile_in="linuxcnc", name="a.nc")
     assert done.ok, [d.message for d in done.findings]
     ways = done.machine.stepping, other.machine.stepping
     assert difference(done.program_out, other.program, *ways, 2.0).equal

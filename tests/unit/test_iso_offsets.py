@@ -7,7 +7,7 @@ from wedmcam.api import positions
 from wedmcam.frontends.identify import identify
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.options import WrongUse
 from wedmcam.targets import Entries, g41, target_of
 
@@ -247,14 +247,14 @@ def test_the_library_takes_the_table():
     proof = api.verify(SLOT.encode(), name="x.nc", d=((1, 100.0),), whole_in="um")
     assert proof.ok
     table = Entries(d=((1, 100.0),))
-    made = conversion.convert(SLOT.encode(), to="3b", name="x.nc", entered=table, whole_in="um")
+    made = convert.convert(SLOT.encode(), to="3b", name="x.nc", entered=table, whole_in="um")
     assert made.ok
     apart, _ = api.diff(
         SLOT.encode(), made.data, names=("x.nc", "x.3b"), d=((1, 100.0),), whole_in="um"
     )
     assert apart.equal
     with pytest.raises(WrongUse, match="--d is for ISO"):
-        conversion.convert(made.data, to="iso", name="x.3b", entered=Entries(d=((1, 100.0),)))
+        convert.convert(made.data, to="iso", name="x.3b", entered=Entries(d=((1, 100.0),)))
 
 
 def test_identify_tells_the_numbers():

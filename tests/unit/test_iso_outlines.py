@@ -11,7 +11,7 @@ from wedmcam import api
 from wedmcam.judge.difference import difference
 from wedmcam.machines import builtin
 from wedmcam.machines.machine import Axes
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.options import WrongUse
 from wedmcam.targets import Entries
 
@@ -47,7 +47,7 @@ def test_the_controllers_path_is_that_of_3b(name):
     other = compiled(name, "b3-compact")
     table = made.machine.stepping
     assert difference(other.program, made.program, table, table, 1.0).equal
-    back = conversion.convert(
+    back = convert.convert(
         made.data, to="3b", name="x.nc", profile_in="iso-g41-mm", entered=Entries(d=made.entries.d)
     )
     assert back.ok
@@ -155,7 +155,7 @@ def test_a_path_that_is_only_part_of_its_outline_is_refused():
 
 
 def test_programs_hold_no_outlines():
-    made = conversion.convert(b"B17000B5000B17000GXL1 DD", profile="iso-g41", name="x.3b")
+    made = convert.convert(b"B17000B5000B17000GXL1 DD", profile="iso-g41", name="x.3b")
     assert not made.ok
     assert made.findings[-1].code == "not-in-format"
     assert "iso-um" in made.findings[-1].hint

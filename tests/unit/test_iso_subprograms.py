@@ -16,7 +16,7 @@ from wedmcam.diag import Severity
 from wedmcam.frontends.iso.subprograms import DEEPEST, MOST_LINES
 from wedmcam.ir.program import Kind
 from wedmcam.machines import builtin
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.targets import Entries
 
 #: As Sodick's writers put it: the main program ends with M199, the outline stands behind it.
@@ -169,7 +169,7 @@ def test_field_m98_inline():
     assert found[0].message == ("subprograms: N0001 run once; 13 blocks are run from 13 lines")
     assert ends(program) == [[5, 0], [5, 5], [10, 5], [10, -5], [5, -5], [5, 0], [0, 0]]
     assert [s.line for s in program.spans] == [3, 8, 9, 10, 11, 12, 5, 6]
-    made = conversion.convert(
+    made = convert.convert(
         INLINE.encode(), to="3b", name="a.nc", profile_in="iso-mm", subprograms_in="N-label"
     )
     assert made.data is not None

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import wedmcam
 from drawings import drawing
 from wedmcam.cli.main import cli
-from wedmcam.compiler.pipeline import judged
+from wedmcam.compiler.pipeline import judge_program
 from wedmcam.ir.plan import Side
 from wedmcam.options import Options, WrongUse
 from wedmcam.targets import target_of
@@ -231,9 +231,9 @@ def test_the_judge_finds_a_wrong_clearance(case):
     cut = replace(made.plan.cuts[0], offset_um=scene.offsets[0], clearance_um=scene.clearances[0])
     plan = replace(made.plan, cuts=(cut,), scenes=(scene,))
     target = target_of(made.machine)
-    _, found = judged(made.program, made.plan, target, made.options)
+    _, found = judge_program(made.program, made.plan, target, made.options)
     assert not [d for d in found if d.severity.name == "ERROR"]
-    _, found = judged(made.program, plan, target, made.options)
+    _, found = judge_program(made.program, plan, target, made.options)
     assert code in {d.code for d in found if d.severity.name == "ERROR"}
 
 
@@ -245,7 +245,7 @@ def test_a_wire_on_the_wrong_side_of_the_line_is_a_gouge():
     target = target_of(made.machine)
     cut = replace(right.plan.cuts[0], offset_um=-40.0, clearance_um=150.0)
     plan = replace(right.plan, cuts=(cut,), scenes=made.plan.scenes)
-    _, found = judged(right.program, plan, target, made.options)
+    _, found = judge_program(right.program, plan, target, made.options)
     assert "missing-piece" in {d.code for d in found}
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from wedmcam import machines
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.rotation import encode
-from wedmcam.controllers.zd065 import POLAR, rotated, square_count
+from wedmcam.controllers.zd065 import POLAR, rotate, square_count
 from wedmcam.diag import Severity
 from wedmcam.frontends.identify import identify
 from wedmcam.frontends.zd065.compact import decode as decode_compact
@@ -58,7 +58,7 @@ def test_what_the_controller_makes_of_it():
 def test_copies_are_turned_from_the_original(step):
     figure, _ = read(LINE + ARC + b"\0", M, "a.zdr")
     n = 7
-    blocks = rotated(figure, n, step)
+    blocks = rotate(figure, n, step)
     for k in range(n + 1):
         a = np.radians([30 + k * step, k * step])
         true = np.stack([[20_000, 10_000] * np.cos(a), [20_000, 10_000] * np.sin(a)])
@@ -69,7 +69,7 @@ def test_copies_are_turned_from_the_original(step):
 def test_36_copies_of_ten_degrees_come_back():
     f = np.zeros(1, POLAR)
     f[0] = (Kind.LINE, 0, 5.0, 8_716, 0)  # a side of a 36-gon
-    b = rotated(f, 35, 10.0)
+    b = rotate(f, 35, 10.0)
     assert (b["x"].sum(), b["y"].sum()) == (0, 0)
     turned, _ = decode(bytes.fromhex("01 01 50000000 008716 00"), M, "a", copies=35, step=10.0)
     assert turned.blocks["x"][:36].tolist() == b["x"].tolist()

@@ -114,8 +114,8 @@ def test_a_run_keeps_findings_capped():
     run = Run()
     run.add("x", many(1000, say=note))
     run.add("y", many(1000, "overlap", say=note))
-    assert len(run.found) == 2 * (KEPT + 1)
-    assert len(merged(run.found)) == len(run.found)
+    assert len(run.findings) == 2 * (KEPT + 1)
+    assert len(merged(run.findings)) == len(run.findings)
 
 
 def test_a_finding_names_few_places_beside_its_own():

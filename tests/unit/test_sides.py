@@ -9,7 +9,7 @@ import parts
 from wedmcam import api
 from wedmcam.ir.program import Kind, Program
 from wedmcam.judge.difference import difference
-from wedmcam.operations import convert as conversion
+from wedmcam.operations import convert
 from wedmcam.options import WrongUse
 from wedmcam.targets import Entries
 
@@ -34,7 +34,7 @@ WITHIN_UM = 5.0
 
 def outlined(path, to="4b", gap=50, outwards=True):
     entered = Entries(gap_um=gap, outwards=outwards)
-    return conversion.convert(path.encode(), to=to, name="a.3b", entered=entered)
+    return convert.convert(path.encode(), to=to, name="a.3b", entered=entered)
 
 
 def arcs(made):
@@ -86,9 +86,9 @@ def test_the_outline_is_right_for_any_gap(to, side):
         drawing = drawn(seed)
         path = api.compile(drawing, to="3b", offset=0.1, side=side)
         at = Entries(gap_um=100, outwards=side == "part")
-        made = conversion.convert(path.data, to=to, name="a.3b", entered=at)
+        made = convert.convert(path.data, to=to, name="a.3b", entered=at)
         assert made.ok, [d.message for d in made.findings]
-        back = conversion.convert(made.data, to="3b", format=to, entered=at)
+        back = convert.convert(made.data, to="3b", format=to, entered=at)
         assert back.ok
         for other in (60, 140):
             entered = Entries(gap_um=other, outwards=at.outwards)
@@ -135,16 +135,16 @@ def test_an_outline_stays_the_outline_it_was():
     """4B to compensation data and back: D and DD stay, also where no path would tell them."""
     rings = "B4000B0B16000B4000DDGYNR1\nD\nB9000B0B9000GXL1\nD\nB4000B0B16000B4000DGYNR1\nDD\n"
     for text in (rings, rings.replace("DDG", "DXG").replace("DG", "DDG").replace("DXG", "DG")):
-        made = conversion.convert(text.encode(), to="compensation", name="a.4b")
+        made = convert.convert(text.encode(), to="compensation", name="a.4b")
         assert made.ok, [d.message for d in made.findings]
         assert not made.findings
-        back = conversion.convert(made.data, to="4b", name="a.zdc")
+        back = convert.convert(made.data, to="4b", name="a.zdc")
         assert back.ok
         assert arcs(back) == arcs(SimpleNamespace(data=text.encode()))
 
 
 def test_without_a_gap_a_hole_is_a_hole_all_the_same():
-    made = conversion.convert(
+    made = convert.convert(
         f"{HOLE}D\nB0B6000B6000GYL4\nD\n{SQUARE}DD\n".encode(), to="4b", name="a.3b"
     )
     assert arcs(made) == ["1900DD"] + ["2000D"] * 4
@@ -156,18 +156,18 @@ RING = b"B9900B0B39600B9900DGYNR1\nDD\n"
 
 @pytest.mark.parametrize("to", ["3b", "compact", "iso", "dxf", "wed", "rotation"])
 def test_an_outline_without_its_gap_is_no_path(to):
-    made = conversion.convert(RING, to=to, name="a.4b")
+    made = convert.convert(RING, to=to, name="a.4b")
     assert made.data is None
     assert [d.code for d in made.findings] == ["no-gap"]
     assert "--gap" in made.findings[0].hint
-    meant = conversion.convert(RING, to=to, name="a.4b", entered=Entries(gap_um=0))
+    meant = convert.convert(RING, to=to, name="a.4b", entered=Entries(gap_um=0))
     assert meant.ok
     assert "no-gap" not in [d.code for d in meant.findings]
 
 
 def test_an_outline_that_is_only_looked_at_is_named_one():
-    for data, name in ((RING, "a.4b"), (conversion.convert(RING, to="compensation").data, "a.zdc")):
-        assert conversion.convert(data, to="svg", name=name).ok
+    for data, name in ((RING, "a.4b"), (convert.convert(RING, to="compensation").data, "a.zdc")):
+        assert convert.convert(data, to="svg", name=name).ok
         assert [d.code for d in api.read_program(data, name=name)[2]] == ["no-gap"]
         assert [d.code for d in api.verify(data, name=name).findings] == ["no-gap"]
     assert not api.read_program(b"B9B0B9B0GXL1\nDD\n", name="a.4b")[2]

@@ -72,14 +72,14 @@ def encode(
         lambda i: {"word": named[i]},
     )
     if not checks.failed:
-        checks.found += travel(program, machine)
+        checks.findings += travel(program, machine)
     last_cut = np.flatnonzero(kinds <= Kind.MOVE)[-1:]
     stops = np.flatnonzero((kinds == Kind.STOP) | (kinds == Kind.END))
     if not len(stops) or (len(last_cut) and stops[-1] < last_cut[0]):
         order, kinds = np.append(order, -1), np.append(kinds, np.uint8(Kind.STOP))
-    checks.found += over_memory(len(order), machine)
+    checks.findings += over_memory(len(order), machine)
     if checks.failed:
-        return b"", checks.found
+        return b"", checks.findings
 
     layout = machine.layout
     if layout.end_coordinates and positions is None:
@@ -98,7 +98,7 @@ def encode(
             texts = [numbering % pair for pair in enumerate(texts, low + 1)]
         parts.append("".join(t + layout.eol for t in texts).encode("ascii"))
     parts += [line.encode(layout.encoding) + _eol(layout) for line in layout.footer]
-    return b"".join(parts), checks.found
+    return b"".join(parts), checks.findings
 
 
 def _eol(layout: Layout) -> bytes:
@@ -308,10 +308,10 @@ def _records(
         form += f"{gap};{gap}%.3f{gap},{gap}%.3f"
         ex, ey = (positions[rows] / 1000).T.tolist()
         columns += [ex, ey]
-    made = [form % row for row in zip(*columns, strict=True)]
+    lines = [form % row for row in zip(*columns, strict=True)]
     if cutting.all():
-        return made
-    texts = iter(made)
+        return lines
+    texts = iter(lines)
     return [
         next(texts) if kind <= Kind.MOVE else words[i] if kind == Kind.WORD else controls[kind]
         for kind, i in zip(kinds.tolist(), order.tolist(), strict=True)

@@ -47,7 +47,7 @@ def encode(
     checks = Checks(program)
     figure = outline_of(program, machine, checks, gap_um, outwards, grown, b4.MOST_GAP_UM, "3b")
     if figure is None:
-        return b"", checks.found
+        return b"", checks.findings
     blocks = program.blocks
     arc = blocks["kind"] == Kind.ARC
     drawn = blocks.copy()
@@ -69,5 +69,5 @@ def encode(
         )
     ]
     other = Program(drawn, program.origin, program.sources, program.spans, program.words)
-    data, found = b3.encode(other, machine, positions, fourth=fourth)
-    return data, [*checks.found, *found]
+    data, more = b3.encode(other, machine, positions, fourth=fourth)
+    return data, [*checks.findings, *more]

@@ -21,13 +21,13 @@ class Checks:
 
     def __init__(self, program: Program) -> None:
         self.program = program
-        self.found: list[Diagnostic] = []
+        self.findings: list[Diagnostic] = []
         self._well = np.ones(len(program.blocks), dtype=bool)
 
     @property
     def failed(self) -> bool:
         """Whether any finding is an error."""
-        return has_errors(self.found)
+        return has_errors(self.findings)
 
     def span(self, i: int) -> Span | None:
         """Return where block ``i`` was read or drawn, or None."""
@@ -58,7 +58,7 @@ class Checks:
         def of_block(i: int) -> dict[str, object]:
             return {"block": i + 1, **(values(i) if values else {})}
 
-        self.found += (
+        self.findings += (
             d for _, d in listed(severity, code, where, self.span, template, of_block, hint)
         )
         if severity is Severity.ERROR:

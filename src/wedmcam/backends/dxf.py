@@ -11,6 +11,7 @@ START for thread points, so that ``compile --layer CUT --layer START`` makes the
 from __future__ import annotations
 
 import io
+import math
 from itertools import pairwise
 from typing import Any
 
@@ -26,7 +27,6 @@ Ints = NDArray[np.int64]
 
 #: Layer -> AutoCAD colour index.
 LAYERS = {"CUT": 1, "LEAD": 3, "OVERCUT": 6, "MOVE": 8, "START": 5, "STOP": 2}
-TAU = 2.0 * np.pi
 #: An arc of more than half a turn whose centre would move farther than this is drawn as two; steps.
 MOVED_STEPS = 1.5
 
@@ -66,10 +66,10 @@ def _drawing_of(program: Program, machine: Machine) -> bytes:
     per_mm = 1000 / program.step_um
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)]) + np.array(program.origin)
     starts = ends - np.column_stack([motion.dx, motion.dy])
-    found = stretches(program.blocks, starts, ends)
-    layers = _layers_of(program.blocks, found)
-    threads, stops = _points(found, starts, ends)
-    stops += [(int(ends[i][0]), int(ends[i][1])) for i in beside(program.blocks["kind"], found)]
+    pieces = stretches(program.blocks, starts, ends)
+    layers = _layers_of(program.blocks, pieces)
+    threads, stops = _points(pieces, starts, ends)
+    stops += [(int(ends[i][0]), int(ends[i][1])) for i in beside(program.blocks["kind"], pieces)]
     for layer, places in (("START", threads), ("STOP", stops)):
         for x, y in places:
             space.add_point((x / per_mm, y / per_mm), dxfattribs={"layer": layer})
@@ -105,19 +105,19 @@ def _add_arc(
     cx, cy = float(start[0] - ax), float(start[1] - ay)
     first = np.arctan2(ay, ax)
     last = np.arctan2(end[1] - cy, end[0] - cx)
-    sweep = float((last - first) * turn % TAU)
+    sweep = float((last - first) * turn % math.tau)
     # A turn takes 8 R steps: that tells an arc that just passes its start from a short one.
-    sweep += TAU * round((steps / (8.0 * radius) * TAU - sweep) / TAU)
-    if sweep > TAU - 1e-12:
+    sweep += math.tau * round((steps / (8.0 * radius) * math.tau - sweep) / math.tau)
+    if sweep > math.tau - 1e-12:
         centre = (cx / per_mm, cy / per_mm)
         space.add_circle(centre, radius / per_mm, dxfattribs=attributes)
     if start == end:
         return
-    rest = sweep % TAU
+    rest = sweep % math.tau
     # Where both ends lie near each other and no circle about the centre passes both, one through
     # both would be another circle: two arcs then, that meet on the far side.
     ends: list[tuple[float, float]] = [start, end]
-    if rest > TAU / 2 and abs(_along((cx, cy), start, end)) > MOVED_STEPS:
+    if rest > math.tau / 2 and abs(_along((cx, cy), start, end)) > MOVED_STEPS:
         half = first + turn * rest / 2
         ends.insert(1, (cx + radius * float(np.cos(half)), cy + radius * float(np.sin(half))))
     for one, two in pairwise(ends):
@@ -161,21 +161,21 @@ def _add_piece(
 
 
 def _points(
-    found: list[Stretch], starts: Ints, ends: Ints
+    pieces: list[Stretch], starts: Ints, ends: Ints
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Return thread points (where a stretch begins) and stops (pauses within it)."""
     threads, stops = [], []
-    for one in found:
+    for one in pieces:
         first = one.lead_in[0] if len(one.lead_in) else one.path[0]
         threads.append((int(starts[first][0]), int(starts[first][1])))
         stops += [(int(ends[i][0]), int(ends[i][1])) for i in one.pauses]
     return threads, stops
 
 
-def _layers_of(blocks: NDArray[np.void], found: list[Stretch]) -> list[str]:
+def _layers_of(blocks: NDArray[np.void], pieces: list[Stretch]) -> list[str]:
     """Return the layer of each block."""
     layers = ["MOVE" if k == Kind.MOVE else "CUT" for k in blocks["kind"].tolist()]
-    for one in found:
+    for one in pieces:
         for name, rows in (("LEAD", one.lead_in), ("LEAD", one.lead_out), ("OVERCUT", one.overcut)):
             for i in rows.tolist():
                 layers[i] = name

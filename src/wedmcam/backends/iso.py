@@ -58,16 +58,16 @@ def encode(
         hint="write the line as two blocks",
     )
     if not checks.failed:
-        checks.found += travel(program, machine)
-    checks.found += over_memory(len(program.blocks), machine)
+        checks.findings += travel(program, machine)
+    checks.findings += over_memory(len(program.blocks), machine)
     if checks.failed:
-        return b"", checks.found
+        return b"", checks.findings
     if positions is None:
         positions = ends(program, machine)
-    opening, found = _opening(machine, program.origin, feed_um)
+    opening, opening_findings = _opening(machine, program.origin, feed_um)
     rows = [*opening, *_rows(program, kinds, motion, positions, machine.iso, names)]
     data, more = _text(rows, machine)
-    return data, [*checks.found, *found, *more]
+    return data, [*checks.findings, *opening_findings, *more]
 
 
 def _refuse_unstated(checks: Checks, machine: Machine, motion: Motion) -> None:
@@ -145,12 +145,12 @@ def _opening(
         k + _number(how, int(np.floor(v * per + 0.5))) for k, v in zip("XY", origin, strict=True)
     ]
     rows = ["G91" if how.coordinates == "incremental" else "G90"]
-    found = []
+    findings = []
     if how.feed_um:
         mm = (feed_um or how.feed_um) / 1000
         rows.append("F" + re.sub(r"(\.\d+?)0+$", r"\1", f"{mm / machine.axes.step_um:.8f}"))
         if feed_um is None:
-            found.append(
+            findings.append(
                 warning(
                     "feed-assumed",
                     "{word} is written, {feed_mm:g} mm a minute: the profile's, no --feed was "
@@ -162,7 +162,7 @@ def _opening(
             )
         least = how.feed_least_um * machine.axes.step_um
         if mm * 1000 < least:
-            found.append(
+            findings.append(
                 warning(
                     "feed-raised",
                     "{word}: {machine} cuts no slower than {least_mm:g} mm a minute, and does so",
@@ -175,8 +175,8 @@ def _opening(
     modes = [how.between.join(how.modes.split())] if how.modes else []
     if how.start == "move":
         start = how.between.join([f"G{0:0{how.code_digits}d}", *words])
-        return [*modes, *rows, start], found
-    return [*modes, how.between.join(["G92", *words]), *rows], found
+        return [*modes, *rows, start], findings
+    return [*modes, how.between.join(["G92", *words]), *rows], findings
 
 
 def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
@@ -188,10 +188,10 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
     text = "".join(row + layout.eol for row in rows)
     frame = ["".join(line + layout.eol for line in part) for part in (layout.header, layout.footer)]
     data = frame[0].encode(layout.encoding) + text.encode("ascii")
-    found = _long_lines([*layout.header, *rows, *layout.footer], machine)
+    findings = _long_lines([*layout.header, *rows, *layout.footer], machine)
     header = [*layout.header, how.modes]
     for code, effect in around.modes(header, bool(how.feed_um), how.semicolon):
-        found.append(
+        findings.append(
             warning(
                 "header-mode",
                 "{word} in the header: {effect}",
@@ -201,7 +201,7 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
             )
         )
     if idle := around.behind_end(layout.footer, how.semicolon):
-        found.append(
+        findings.append(
             warning(
                 "after-end",
                 "{words} of the footer: behind the end (M02), not run",
@@ -210,7 +210,7 @@ def _text(rows: list[str], machine: Machine) -> tuple[bytes, list[Diagnostic]]:
                 words=", ".join(dict.fromkeys(idle)),
             )
         )
-    return data + frame[1].encode(layout.encoding), found
+    return data + frame[1].encode(layout.encoding), findings
 
 
 def _long_lines(lines: list[str], machine: Machine) -> list[Diagnostic]:
@@ -267,7 +267,7 @@ def encode_outlines(
     per = _per_um(how)
     at = np.floor(ends * per + 0.5).astype(np.int64)
     here = np.floor(np.array(written.program.origin) * per + 0.5).astype(np.int64)
-    opening, found = _opening(machine, written.program.origin, feed_um)
+    opening, findings = _opening(machine, written.program.origin, feed_um)
     rows: list[str] = []
     blocks = written.program.blocks
     runs = np.append(motions["run"], -1)
@@ -303,7 +303,7 @@ def encode_outlines(
         here = to
     most = machine.limits.blocks
     if most and len(rows) > most:
-        found.append(
+        findings.append(
             warning(
                 "over-memory",
                 "{records} records; {machine} holds {most}",
@@ -314,7 +314,7 @@ def encode_outlines(
             )
         )
     data, more = _text([*opening, *rows], machine)
-    return data, [*found, *more]
+    return data, [*findings, *more]
 
 
 def _per_um(how: Iso) -> float:

@@ -10,6 +10,7 @@ again; whether it did is proven by who asked for it (``conversion``).
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import PurePath
 
@@ -24,7 +25,6 @@ from wedmcam.programs.stretches import Stretch, beside, stretches, words_left_ou
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
-TAU = 2.0 * np.pi
 #: What to do with a program that the part language has no words for.
 ANY_PATH = "convert to .dxf, which takes any path"
 #: Arcs of more than this are written in parts: near a full turn their ends cannot be told apart.
@@ -140,10 +140,10 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
     moves = np.flatnonzero(kinds == Kind.MOVE)
     if not len(cuts):
         return program, []
-    found = []
+    findings = []
     before, behind = moves[moves < cuts[0]], moves[moves > cuts[-1]]
     if len(before):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "the program begins with a move; the part program starts where it ends: moves go "
@@ -152,7 +152,7 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
             )
         )
     if len(behind):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "the program ends with a move; the part program ends where it starts: moves go "
@@ -160,7 +160,7 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
                 _span(program, int(behind[0])),
             )
         )
-    if not found:
+    if not findings:
         return program, []
     first = int(cuts[0]) if len(before) else 0
     last = int(cuts[-1]) + 1 if len(behind) else len(kinds)
@@ -169,7 +169,7 @@ def trim(program: Program) -> tuple[Program, list[Diagnostic]]:
     number = {int(old): new for new, old in enumerate(keep)}
     spans = [program.spans[i] for i in keep.tolist()] if len(program.spans) == len(kinds) else ()
     words = tuple((number[i], word) for i, word in program.words if i in number)
-    return replace(program, blocks=program.blocks[keep], spans=spans, words=words), found
+    return replace(program, blocks=program.blocks[keep], spans=spans, words=words), findings
 
 
 def hindrance(program: Program, machine: Machine) -> Diagnostic | None:
@@ -259,10 +259,10 @@ class _Text:
         turn = self.blocks["turn"].astype(np.int64)
         a, b = self.starts - self.centre, self.ends - self.centre
         first, last = np.arctan2(a[:, 1], a[:, 0]), np.arctan2(b[:, 1], b[:, 0])
-        sweep = np.mod((last - first) * turn, TAU)
+        sweep = np.mod((last - first) * turn, math.tau)
         # A turn takes 8 R steps: that tells an arc that just passes its start from a short one.
-        whole = self.steps / np.maximum(8.0 * self.radius, 1.0) * TAU
-        sweep = np.where(self.arc, sweep + TAU * np.round((whole - sweep) / TAU), 0.0)
+        whole = self.steps / np.maximum(8.0 * self.radius, 1.0) * math.tau
+        sweep = np.where(self.arc, sweep + math.tau * np.round((whole - sweep) / math.tau), 0.0)
         straight = np.hypot(*(self.ends - self.starts).T)
         return sweep, np.where(self.arc, self.radius * sweep, straight)
 

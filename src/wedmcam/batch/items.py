@@ -115,10 +115,10 @@ def _search(base: Path) -> dict[Path, str]:
     What is hidden is passed over. A link that leads nowhere or a pipe with the name of a drawing is
     one that cannot be read; so is a folder that may not be listed.
     """
-    found: dict[Path, str] = {}
+    problems: dict[Path, str] = {}
 
     def closed(why: OSError) -> None:
-        found[Path(why.filename)] = f"cannot be searched: {why.strerror}"
+        problems[Path(why.filename)] = f"cannot be searched: {why.strerror}"
 
     for folder, folders, names in os.walk(base, onerror=closed):
         folders[:] = [name for name in folders if not name.startswith(".")]
@@ -127,9 +127,9 @@ def _search(base: Path) -> dict[Path, str]:
             if name.startswith(".") or file.suffix.lower() not in SOURCES:
                 continue
             if file.is_file():
-                found[file] = ""
+                problems[file] = ""
             elif file.exists():
-                found[file] = "cannot be read: no regular file"
+                problems[file] = "cannot be read: no regular file"
             else:
-                found[file] = "cannot be read: a link that leads nowhere"
-    return found
+                problems[file] = "cannot be read: a link that leads nowhere"
+    return problems

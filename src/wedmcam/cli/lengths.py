@@ -24,10 +24,10 @@ def length_um(text: str) -> float:
     Raises:
         ValueError: not a length.
     """
-    found = PATTERN.match(text)
-    if not found or found[2] not in UM:
+    match = PATTERN.match(text)
+    if not match or match[2] not in UM:
         raise ValueError(f"'{text}' is no length: write 0.1, 0.1mm, 100um or 0.004in")
-    value = round(float(found[1]) * UM[found[2]], 6)
+    value = round(float(match[1]) * UM[match[2]], 6)
     if not abs(value) <= MOST_UM:
         raise ValueError(f"'{text}' is longer than 100 m")
     return value
@@ -68,8 +68,8 @@ class Cuts(click.ParamType):  # type: ignore[type-arg]
         """Return the first and the last; a wrong one is wrong use."""
         if isinstance(value, tuple):
             return value
-        found = re.fullmatch(r"\s*([0-9]{1,9})(?:\s*-\s*([0-9]{1,9}))?\s*", value)
-        first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
+        match = re.fullmatch(r"\s*([0-9]{1,9})(?:\s*-\s*([0-9]{1,9}))?\s*", value)
+        first, last = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
         if not 1 <= first <= last:
             self.fail(f"'{value}' is no range of contours such as 2-5", param, ctx)
         return first, last
@@ -156,10 +156,10 @@ class OfLayer(click.ParamType):  # type: ignore[type-arg]
         """Return (name, value); a wrong one is wrong use."""
         if isinstance(value, tuple):
             return value
-        name, sign, said = str(value).rpartition("=")
+        name, sign, text = str(value).rpartition("=")
         if not sign or not name.strip():
             self.fail(f"'{value}' names no layer: write {self.example}", param, ctx)
-        return name.strip(), self.of.convert(said.strip(), param, ctx)
+        return name.strip(), self.of.convert(text.strip(), param, ctx)
 
 
 CUTS = Cuts()

@@ -124,7 +124,7 @@ compile_options = _stack(drawing_options, path_options, machine_options)
 
 
 def _values_of(params: dict[str, Any], rows: Iterable[Row]) -> dict[str, Any]:
-    """Return the values of fields, by their names, as far as something is said of them."""
+    """Return the values of fields, by their names, as far as they are stated."""
     stated = [row for row in rows if params.get(row.param) is not None]
     return {row.name: _value(params[row.param], row) for row in stated}
 
@@ -145,7 +145,7 @@ def _value(given: Any, row: Row) -> Any:
 
 
 def answers_of(params: dict[str, Any]) -> dict[str, Any]:
-    """Return what is said of a program that is read, taken out of the parameters."""
+    """Return the answers about a program that is read, taken out of the parameters."""
     names = [f"{row.param}{suffix}" for suffix in ("", "_b") for row in rows_of(Panel.PROGRAM)]
     values = {name: params.pop(name) for name in names if name in params}
     return {name: value for name, value in values.items() if value is not None}
@@ -156,7 +156,7 @@ def options_of(params: dict[str, Any], *, answers: bool = True) -> Options:
 
     Args:
         params: of the command.
-        answers: with what is said of programs that are read; False where none is.
+        answers: with the answers about programs that are read; False where none is.
 
     Raises:
         WrongUse: options that do not fit together.
@@ -254,8 +254,8 @@ def machine_of(profile: str | None, to: str | None) -> Machine:
         raise WrongUse(f"the profile {why.message}") from None
     except UnicodeDecodeError:
         raise WrongUse(f"{profile}: not UTF-8") from None
-    machine, found = machines.of_file(text, profile)
-    print_findings(found, profile, texts={profile: text})
+    machine, findings = machines.of_file(text, profile)
+    print_findings(findings, profile, texts={profile: text})
     if machine is None:
         raise WrongUse(f"{profile}: this profile cannot be used")
     return api.machine_for(to, machine)
@@ -330,11 +330,11 @@ def format_of(output: str, to: str | None, profile: Machine | None = None) -> st
         return to
     if profile is not None:
         return profile.format
-    found = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
-    if found is None:
+    format_ = FORMAT_OF_SUFFIX.get(Path(output).suffix.lower())
+    if format_ is None:
         known = ", ".join(FORMAT_OF_SUFFIX)
         raise WrongUse(f"the name {output} does not tell the format ({known}): give --to")
-    return found
+    return format_
 
 
 def warn_of_idle(names: Set[str], why: str) -> None:

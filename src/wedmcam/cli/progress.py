@@ -18,7 +18,7 @@ PATIENCE = 1.0
 
 
 class Bar:
-    """How much of something is done; ``total`` None where nobody knows.
+    """How much of something is done; ``total`` None where it is unknown.
 
     It is the owner's to call `clear` before anything is printed and at the end.
     """
@@ -40,7 +40,7 @@ class Bar:
         if time.monotonic() < self._due or not sys.stderr.isatty():
             return
         if self._live is None:
-            self._live = self._made()
+            self._live = self._draw_bar()
             self._live.start()
         self._live.update(self._task, completed=self._done)
 
@@ -50,7 +50,7 @@ class Bar:
             self._live.stop()
             self._live = None
 
-    def _made(self) -> Any:
+    def _draw_bar(self) -> Any:
         from rich.console import Console
         from rich.progress import (
             BarColumn,
@@ -81,7 +81,7 @@ class Bar:
 
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Show that something is being done whose end nobody knows; print nothing inside."""
+    """Show a spinner; do not print while it runs."""
     if not sys.stderr.isatty():
         yield
         return

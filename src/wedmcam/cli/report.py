@@ -84,7 +84,7 @@ def understood_lines(known: Understanding, verbose: bool = False) -> list[str]:
     if len(known.rows) > len(shown):
         lines.append(f"{'':11}and {len(known.rows) - len(shown)} more contours (-v lists all)")
     heads = ["threads", *[""] * len(known.threads)]
-    return lines + [f"{h:11}{said}" for h, said in zip(heads, known.threads, strict=False)]
+    return lines + [f"{h:11}{sentence}" for h, sentence in zip(heads, known.threads, strict=False)]
 
 
 def counts_line(known: Understanding) -> str:

@@ -36,8 +36,8 @@ def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
     """Yield the blocks of a program as a table."""
     axes = machine.axes
     if not axes.plain:
-        turned = replace(axes, step_um=1.0).said
-        yield f"axes: {turned}; Z, X, Y, G and ends are told as the drawing has them"
+        turned = replace(axes, step_um=1.0).text
+        yield f"axes: {turned}; Z, X, Y, G and ends are in the axes of the drawing"
     if axes.step_um != 1:
         yield f"X, Y and J are steps of {axes.step_um:g} um, ends are um"
     yield "block  where    kind   Z          X          Y  G            J      end x      end y"

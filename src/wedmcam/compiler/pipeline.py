@@ -44,33 +44,35 @@ class Compiled:
     verdict: Verdict
 
 
-def planned(
+def plan_source(
     source: bytes, name: str, options: Options, targets: Sequence[Target], run: Run
 ) -> tuple[Drawn, Plan]:
-    """A source becomes a plan: where the wire goes, with starts where all targets can start."""
+    """Plan a source: where the wire goes, with starts where all targets can start."""
     drawn = run("drawn", (read(source, name, options, run), ()))
     return drawn, plan_of(drawn, options, targets, run)
 
 
 def plan_of(drawn: Drawn, options: Options, targets: Sequence[Target], run: Run) -> Plan:
-    """What was drawn becomes a plan."""
+    """Plan what was drawn."""
     plan = where_the_wire_goes(drawn, options, run)
     for target in targets:
         plan = run("leads", target.place_starts(plan))
     return run("plan", (plan, ()))
 
 
-def compiled(plan: Plan, target: Target, options: Options, run: Run, name: str = "") -> Compiled:
-    """A plan becomes bytes for one machine, and they are proven."""
-    entries, lowered, data = emitted(plan, target, options, run)
-    program, verdict = proven(data, name, plan, lowered, target, entries, options, run)
+def write_and_prove(
+    plan: Plan, target: Target, options: Options, run: Run, name: str = ""
+) -> Compiled:
+    """Write the program of a plan for one machine, and prove it."""
+    entries, lowered, data = write_program(plan, target, options, run)
+    program, verdict = prove_program(data, name, plan, lowered, target, entries, options, run)
     return Compiled(plan, entries, lowered, data, program, verdict)
 
 
-def emitted(
+def write_program(
     plan: Plan, target: Target, options: Options, run: Run
 ) -> tuple[Entries, Program, bytes]:
-    """A plan becomes bytes for one machine: what the operator enters, and the program."""
+    """Write the program of a plan: what the operator enters, the lowered program, its bytes."""
     from wedmcam.transforms.lower import lower
 
     refused = target.refuses_written
@@ -81,7 +83,7 @@ def emitted(
     return entries, lowered, data
 
 
-def proven(
+def prove_program(
     data: bytes,
     name: str,
     plan: Plan,
@@ -91,31 +93,31 @@ def proven(
     options: Options,
     run: Run,
 ) -> tuple[Program, Verdict]:
-    """The bytes are decoded again, run, and compared with the plan and the part."""
-    program, found = target.read(data, name or "program", entries)
-    run.add("decode", new_in_reading(run.found, found))
+    """Decode the bytes, run the program, and compare it with the plan and the part."""
+    program, findings = target.read(data, name or "program", entries)
+    run.add("decode", new_in_reading(run.findings, findings))
     program = run("decode", (replace(program, origin=lowered.origin), ()))
-    verdict, found = judged(program, plan, target, options)
-    if has_errors(found):
-        found = [*found, *target.advice]
-    return program, run("verify", (verdict, found))
+    verdict, findings = judge_program(program, plan, target, options)
+    if has_errors(findings):
+        findings = [*findings, *target.advice]
+    return program, run("verify", (verdict, findings))
 
 
-def new_in_reading(said: Sequence[Diagnostic], found: Sequence[Diagnostic]) -> list[Diagnostic]:
-    """Return what the reader of a program of ours finds that was not said before.
+def new_in_reading(known: Sequence[Diagnostic], findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return the findings of the reader of a program of ours that are new.
 
     Its notes say how it understood a foreign file; and what the writer warned of (the file needs
-    two loads, say) need not be said twice.
+    two loads, say) is not repeated.
     """
-    codes = {d.code for d in said}
+    codes = {d.code for d in known}
     return [
         d
-        for d in found
+        for d in findings
         if d.severity is Severity.ERROR or (d.severity > Severity.NOTE and d.code not in codes)
     ]
 
 
-def judged(
+def judge_program(
     program: Program,
     plan: Plan,
     target: Target,
@@ -124,7 +126,7 @@ def judged(
     strict_order: bool = True,
     fitted: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
-    """A program is run on its controller and measured; see `judge.judge`."""
+    """Run a program on its controller and measure it; see `judge.judge`."""
     from wedmcam.judge.followed import Terms
     from wedmcam.judge.judge import judge
 

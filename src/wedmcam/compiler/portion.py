@@ -9,12 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from wedmcam.compiler.pipeline import emitted
+from wedmcam.compiler.pipeline import write_program
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Role
 from wedmcam.options import Options
-from wedmcam.programs.places import block_ends, matched
+from wedmcam.programs.places import block_ends, match_blocks
 from wedmcam.targets import Target
 from wedmcam.transforms.plan.portion import only_cuts, remaining
 
@@ -46,16 +46,16 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     machine = target.machine
     trial = Run()  # findings on the whole program are not of its rest
     try:
-        entries, lowered, data = emitted(plan, target, options, trial)
+        entries, lowered, data = write_program(plan, target, options, trial)
     except Refused:
-        run.found += trial.found
+        run.findings += trial.findings
         raise
     program, _ = target.read(data, "program", entries)
     program = replace(program, origin=lowered.origin)
     n = options.portion.from_block
     if n > len(program.blocks):
         raise WrongUse(f"the program has {len(program.blocks)} blocks, there is no block {n}")
-    like = matched(lowered, program, machine)
+    like = match_blocks(lowered, program, machine)
     cutting = np.flatnonzero((program.blocks["kind"] < Kind.MOVE) & (like >= 0))
     cutting = cutting[cutting >= n - 1]
     roles, cuts = lowered.blocks["role"], lowered.blocks["cut"]
@@ -87,7 +87,7 @@ def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
     arc = lowered.blocks["kind"] == Kind.ARC
     share[arc] = motion.steps[arc] * (np.pi / 4) * lowered.step_um  # a turn takes 8 R steps
     along = float(share[before].sum())
-    found = remaining(plan, cut - 1, at, along, options.portion.backwards, lowered.step_um)
-    if found is None:
+    findings = remaining(plan, cut - 1, at, along, options.portion.backwards, lowered.step_um)
+    if findings is None:
         raise WrongUse(f"block {n} of the program lies on no contour")
-    return found
+    return findings

@@ -1,6 +1,6 @@
 """A program that exists is proven: where it starts in the drawing, and what its certificate claims.
 
-`pipeline.judged` measures, here as in a compile, so that an honest certificate holds. What a
+`pipeline.judge_program` measures, here as in a compile, so that an honest certificate holds. What a
 certificate claims beyond that (the findings of a compile, and which program it was) is derived by
 emitting its plan again.
 """
@@ -58,7 +58,7 @@ class _Judged:
 
     program: Program
     verdict: Verdict
-    found: list[Diagnostic]
+    findings: list[Diagnostic]
 
 
 def given_points(drawn: Drawn, options: Options) -> tuple[tuple[float, float], ...]:
@@ -67,7 +67,7 @@ def given_points(drawn: Drawn, options: Options) -> tuple[tuple[float, float], .
     return (*threads, *options.leading.starts_um)
 
 
-def placed(
+def place_program(
     decoded: Program, plan: Plan, target: Target, options: Options, how: Placing, run: Run
 ) -> tuple[Program, Verdict]:
     """Judge a program where it starts: at the stated origin, on a thread point, or where it fits.
@@ -79,7 +79,9 @@ def placed(
 
     def at(place: Steps, fitted: bool = False, strict: bool = how.ours) -> _Judged:
         program = replace(decoded, origin=place)
-        judged = pipeline.judged(program, plan, target, options, strict_order=strict, fitted=fitted)
+        judged = pipeline.judge_program(
+            program, plan, target, options, strict_order=strict, fitted=fitted
+        )
         return _Judged(program, *judged)
 
     notes: list[Diagnostic] = []
@@ -94,13 +96,13 @@ def placed(
     if not how.ours:
         notes += _other_start(best.program, threads)
     lost = len(best.verdict.cuts) < len(plan.cuts)
-    if not how.ours and lost and has_errors(best.found):
+    if not how.ours and lost and has_errors(best.findings):
         # A contour that was not found tells us little. Followed in the plan's order, the first
         # block that leaves it tells more, if the program is one of this plan at all.
         strict = at(best.program.origin, strict=True)
         if len(strict.verdict.cuts) == len(plan.cuts):
             best = strict
-    run.add("verify", [*notes, *best.found])
+    run.add("verify", [*notes, *best.findings])
     return best.program, best.verdict
 
 
@@ -150,7 +152,7 @@ def _elsewhere(
         if best.verdict.ok
         else "; it fits best if it starts at {start}, and does not prove there"
     )
-    return (replace(first, found=[]) if best.verdict.ok else first), [where]
+    return (replace(first, findings=[]) if best.verdict.ok else first), [where]
 
 
 def _place(at: Steps, step_um: float) -> Place:
@@ -164,16 +166,16 @@ def _given_places(
     points = np.array(list(given), float).reshape(-1, 2) / step_um
     if not len(points):
         return []
-    found: dict[Steps, None] = {}
+    places: dict[Steps, None] = {}
     left = np.ones(len(points), bool)
     for place in threads:
         near = np.hypot(points[:, 0] - place[0], points[:, 1] - place[1]) <= SAME_POINT
         if near.any():
-            found[place] = None
+            places[place] = None
             left &= ~near
     for x, y in points[left]:
-        found[(round(float(x)), round(float(y)))] = None
-    return list(found)
+        places[(round(float(x)), round(float(y)))] = None
+    return list(places)
 
 
 def _other_start(program: Program, threads: Sequence[Steps]) -> list[Diagnostic]:
@@ -247,7 +249,7 @@ def issued_for_others(
     ]
 
 
-def held_to(
+def check_certificate(
     certificate: Mapping[str, Any],
     now: Mapping[str, Any],
     proven: Proven,
@@ -268,7 +270,7 @@ def held_to(
         every: all findings so far.
 
     Of another drawing, only what the program is by itself is compared. Of another program, where
-    it leaves the one that is compiled is said.
+    it leaves the one that is compiled is reported.
     """
     from wedmcam.judge.claims import differences, of_the_program
 
@@ -277,17 +279,17 @@ def held_to(
         return of_the_program(certificate, now) if same else []
     if not is_ours(certificate):
         return differences(certificate, now, every) if same else []
-    trial = Run(found=list(planned))
+    trial = Run(findings=list(planned))
     wrote = b""
     with contextlib.suppress(Refused):  # its findings are not the certificate's: that is said
-        _, _, wrote = pipeline.emitted(proven.plan, proven.target, proven.options, trial)
-    found: list[Diagnostic] = []
+        _, _, wrote = pipeline.write_program(proven.plan, proven.target, proven.options, trial)
+    findings: list[Diagnostic] = []
     if same:
-        derived = [*trial.found, *pipeline.new_in_reading(trial.found, read), *judged]
-        found += differences(certificate, now, derived)
+        derived = [*trial.findings, *pipeline.new_in_reading(trial.findings, read), *judged]
+        findings += differences(certificate, now, derived)
     if wrote and wrote != proven.data:
-        found += _left(certificate, now, proven, wrote)
-    return found
+        findings += _left(certificate, now, proven, wrote)
+    return findings
 
 
 def _left(
@@ -327,7 +329,7 @@ def _left(
     return [left]
 
 
-def held_to_alone(
+def check_certificate_alone(
     certificate: Mapping[str, Any], figures: Mapping[str, Any], data: bytes
 ) -> list[Diagnostic]:
     """Return the findings on what a certificate claims of a program without its drawing."""

@@ -148,20 +148,20 @@ def read(data: bytes, file: str, options: Options, run: Run) -> Drawn:
     from wedmcam.transforms.layers import Group, split
     from wedmcam.transforms.unread import unread_outlines
 
-    sketch, found = read_dxf(data, file, reading, options.wishes)
+    sketch, findings = read_dxf(data, file, reading, options.wishes)
     if sketch is not None:
         run.values["seen"] = Seen(sketch.segments, sketch)
-    elif any(d.code == "no-units" for d in found):
+    elif any(d.code == "no-units" for d in findings):
         run.values["seen"] = SeenWithoutUnits(data, file, reading)
-    sketch = run("read", (sketch, found))
+    sketch = run("read", (sketch, findings))
     groups, report, drawn = [], ChainReport(), sketch
     every: tuple[Contour, ...] = ()
     for rule, part in run("chain", split(sketch, options.cutting, options.wished)):
-        contours, own, found = chain(part, reading.join_um)
-        run.add("chain", found)
+        contours, own, findings = chain(part, reading.join_um)
+        run.add("chain", findings)
         every, report = every + contours, report.with_(own)
         if reading.transforms:
-            drawn, contours = _transformed(sketch, contours, options, run)
+            drawn, contours = _transform(sketch, contours, options, run)
         groups.append(Group(rule, contours))
     about = unread_outlines(sketch, every, reading.join_um, options.cutting.offset_um or 0.0)
     every = tuple(c for group in groups for c in group.contours)
@@ -222,11 +222,11 @@ def _transforms(transforms: Sequence[str], run: Run) -> list[Any]:
 
     texts = option_texts("--transform", transforms)
     parsed = [parse_transform(text, name) for name, text in texts.items()]
-    run.add("transform", [d for _, found in parsed for d in found])
+    run.add("transform", [d for _, findings in parsed for d in findings])
     return [t for t, _ in parsed if t is not None]
 
 
-def _transformed(
+def _transform(
     sketch: Sketch, contours: tuple[Contour, ...], options: Options, run: Run
 ) -> tuple[Sketch, tuple[Contour, ...]]:
     """Return contours and thread points after ``--transform``; --start points stay (ruling 5)."""
@@ -234,13 +234,13 @@ def _transformed(
     from wedmcam.transforms.meetings import contour_meetings
 
     whole = figures.Sequence(tuple(_transforms(options.drawing.transforms, run)))
-    made = run(
+    result = run(
         "transform",
         figures.transformed(contours, whole, arithmetic(options.arithmetic), sketch.thread_points),
     )
     run.add("transform", figures.idle_reverse(contours, whole))
-    contours = figures.counter_clockwise(made[0])
-    moved = replace(sketch, thread_points=made[1])
+    contours = figures.counter_clockwise(result[0])
+    moved = replace(sketch, thread_points=result[1])
     run.values["seen"] = Seen(rows_of(contours), moved)
     run.add("transform", contour_meetings(contours))
     return moved, contours

@@ -134,11 +134,11 @@ def proof_summary(
     ``figures``: of the program where there is no drawing; other arguments as `summary_of`.
     """
     if verdict is not None:
-        summary = summary_of(run.found, machine, options, files, drawn, verdict, understood)
-        summary["ok"] = not has_errors(run.found)
+        summary = summary_of(run.findings, machine, options, files, drawn, verdict, understood)
+        summary["ok"] = not has_errors(run.findings)
         return summary
     unproven = replace(files, program=None)
-    summary = summary_of(run.found, machine, options, unproven, drawn, None, understood)
+    summary = summary_of(run.findings, machine, options, unproven, drawn, None, understood)
     summary |= {
         "input": files.source_name or None,
         "output": files.program_name,
@@ -148,5 +148,5 @@ def proof_summary(
     summary |= figures
     if not files.source:
         del summary["sha256"], summary["arithmetic"]  # nothing was computed
-        summary["ok"] = not has_errors(run.found)
+        summary["ok"] = not has_errors(run.findings)
     return summary

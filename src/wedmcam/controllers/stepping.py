@@ -1,4 +1,4 @@
-"""What a controller's interpolator does with blocks: the protocol that everything else is told.
+"""What a controller's interpolator does with blocks: the protocol that everything else uses.
 
 Lowering, the judge and all reports take a `Stepping` and never ask which controller it is. A new
 interpolator is a class with these methods, and a line in `wedmcam.controllers.STEPPINGS`.

@@ -63,8 +63,8 @@ def _blocks(kind: NDArray[Any], turn: NDArray[Any], x: Ints, y: Ints, arc_count:
     return out
 
 
-def rotated(figure: NDArray[np.void], copies: int = 0, step: float = 0.0) -> NDArray[np.void]:
-    """Return the cutting blocks of a figure in rotation format and of its rotated copies.
+def rotate(figure: NDArray[np.void], copies: int = 0, step: float = 0.0) -> NDArray[np.void]:
+    """Return the cutting blocks of a figure in rotation format and of its copies.
 
     Args:
         figure: dtype `POLAR`.
@@ -77,7 +77,7 @@ def rotated(figure: NDArray[np.void], copies: int = 0, step: float = 0.0) -> NDA
 
     >>> f = np.zeros(1, POLAR)
     >>> f[0] = (Kind.LINE, 0, 30.0, 20_000, 0.0)
-    >>> [rotated(f, 2, 60.0)[k].tolist() for k in ("x", "y")]
+    >>> [rotate(f, 2, 60.0)[k].tolist() for k in ("x", "y")]
     [[17321, 0, -17321], [10000, 20000, 10000]]
     """
     assert 0 <= copies <= 99, copies
@@ -120,7 +120,7 @@ def square_count(start: Floats, end: Floats, radius: Ints) -> Ints:
     return abs(_whole(_number(radius) * (_number(n1 - n0) * root + (s1 - s0))))
 
 
-def compensated(figure: NDArray[np.void], gap_um: int, outwards: bool = True) -> NDArray[np.void]:
+def compensate(figure: NDArray[np.void], gap_um: int, outwards: bool = True) -> NDArray[np.void]:
     """Return the cutting blocks of a figure in compensation format, offset by the gap.
 
     Lines stay as they are; x, y and J of an arc are scaled by (R + gap) / R or (R - gap) / R. That
@@ -136,7 +136,7 @@ def compensated(figure: NDArray[np.void], gap_um: int, outwards: bool = True) ->
 
     >>> f = np.zeros(1, OUTLINE)
     >>> f[0] = (Kind.ARC, 1, 1, Axis.SQUARE, 5_000, 3_000, 4_000, 7_071)
-    >>> [compensated(f, 100)[k].tolist() for k in ("x", "y", "count")]
+    >>> [compensate(f, 100)[k].tolist() for k in ("x", "y", "count")]
     [[3060], [4080], [7212]]
     """
     x, y, count = (figure[k].astype(np.int64).copy() for k in ("x", "y", "count"))
@@ -148,6 +148,6 @@ def compensated(figure: NDArray[np.void], gap_um: int, outwards: bool = True) ->
         factor = _number(radius + sign * gap_um) / _number(radius)
         for column in (x, y, count):
             column[arc] = _whole(_number(column[arc]) * factor)
-    made = np.asarray(_blocks(figure["kind"], figure["turn"], x, y, count))
-    made["axis"][arc] = figure["axis"][arc]
-    return made
+    blocks = np.asarray(_blocks(figure["kind"], figure["turn"], x, y, count))
+    blocks["axis"][arc] = figure["axis"][arc]
+    return blocks

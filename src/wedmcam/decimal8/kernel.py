@@ -197,10 +197,10 @@ def exact_root(am: Ints, ae: Ints) -> Parts:
 def settle(exact: Callable[..., Parts]) -> Settle:
     """Return what settles elements by a function of mantissas and exponents."""
 
-    def settled(*operands: Floats) -> Parts:
+    def settle_elements(*operands: Floats) -> Parts:
         return exact(*(part for a in operands for part in parts(a)))
 
-    return settled
+    return settle_elements
 
 
 _settle_sum, _settle_difference = settle(exact_sum), settle(exact_difference)

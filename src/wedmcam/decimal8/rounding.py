@@ -3,7 +3,7 @@
 An operation is done in float64, on the floats that name its operands, and is wrong by less than
 `NEAR` of an eighth digit. The nearest 8-digit decimal is then known unless the value lies that
 near to a tie, or beyond the powers of ten that float64 holds exactly. Those few elements are
-`settled` by exact means. So each result is the exact one, rounded once.
+settled by exact means (`Settle`). So each result is the exact one, rounded once.
 """
 
 from __future__ import annotations

@@ -373,7 +373,7 @@ CODES: dict[str, Code] = {
         "Give what the message asks for.",
     ),
     "wed-contour": Code(
-        "A block of a contour that cannot be drawn from what is said of it.",
+        "A block of a contour that cannot be drawn from its clauses.",
         "An arc whose radius differs at its ends, or a fillet that does not fit, has no one path.",
         "Correct the dimension; the message has the numbers.",
     ),

@@ -21,7 +21,7 @@ class WrongUse(Exception):  # noqa: N818 - a kind of stop, not of error
 
 
 class Refused(Exception):  # noqa: N818 - a kind of stop, not of error
-    """The input cannot be compiled; ``Run.found`` says why. ``stage`` names where it stopped."""
+    """The input cannot be compiled; ``Run.findings`` says why. ``stage`` names where it stopped."""
 
     def __init__(self, stage: str) -> None:
         super().__init__(stage)
@@ -34,35 +34,35 @@ class Run:
 
     Attributes:
         strict: warnings are errors.
-        found: the findings in the order in which they were made, of each kind as many as `capped`
+        findings: in the order in which they were found, of each kind as many as `capped`
             keeps.
         values: of the stages that came through, by their names, the last of each.
         observe: is called with the name and the value of each stage that came through.
     """
 
     strict: bool = False
-    found: list[Diagnostic] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
     values: dict[str, Any] = field(default_factory=dict)
     observe: Callable[[str, Any], None] | None = None
 
     def forked(self) -> Run:
         """Return a run that goes on from here, and leaves this one as it is."""
-        return Run(self.strict, list(self.found), dict(self.values), self.observe)
+        return Run(self.strict, list(self.findings), dict(self.values), self.observe)
 
     def __call__(self, stage: str, result: tuple[T | None, Iterable[Diagnostic]]) -> T:
         """Take a stage's findings over and return its value."""
-        value, found = result
-        self.add(stage, found)
+        value, findings = result
+        self.add(stage, findings)
         assert value is not None, f"{stage} returned nothing and said nothing"
         self.values[stage] = value
         if self.observe is not None:
             self.observe(stage, value)
         return value
 
-    def add(self, stage: str, found: Iterable[Diagnostic]) -> None:
+    def add(self, stage: str, findings: Iterable[Diagnostic]) -> None:
         """Take findings over; refuse if there is an error among them."""
-        new = [self._judged(d) for d in found]
-        self.found = capped([*self.found, *new])
+        new = [self._judged(d) for d in findings]
+        self.findings = capped([*self.findings, *new])
         if has_errors(new):
             raise Refused(stage)
 

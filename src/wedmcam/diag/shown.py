@@ -77,8 +77,8 @@ def json_text(data: Any, indent: int | None = None) -> str:
 _INVISIBLE = re.compile(r"[^\x00-\x7e]")
 
 
-def _json_escape(found: re.Match[str]) -> str:
-    character = found[0]
+def _json_escape(match: re.Match[str]) -> str:
+    character = match[0]
     if _escaped(character) == character:
         return character
     return json.dumps(character)[1:-1]

@@ -39,12 +39,12 @@ def moves(kinds: NDArray[np.uint8]) -> NDArray[np.bool_]:
 
     3B has no record for a move: a line block alone between two D is one, and nothing else is [R].
     """
-    found = np.zeros(len(kinds), dtype=bool)
+    result = np.zeros(len(kinds), dtype=bool)
     if len(kinds) > 2:
         straight = (kinds == Kind.LINE) | (kinds == Kind.MOVE)
         pause = kinds == Kind.PAUSE
-        found[1:-1] = straight[1:-1] & pause[:-2] & pause[2:]
-    return found
+        result[1:-1] = straight[1:-1] & pause[:-2] & pause[2:]
+    return result
 
 
 def is_word(text: str) -> bool:

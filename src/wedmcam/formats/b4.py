@@ -52,10 +52,10 @@ def fourths(codes: bytes) -> list[Fourth]:
     >>> [(f.radius, f.grows) for f in fourths(b"B9900B0B39600B9900DDGYNR1 B5B0B5B0GXL1")]
     [(9900, -1), (0, 0)]
     """
-    found = []
+    out = []
     for m in RECORD.finditer(codes):
         letters = (m[6] or b"").replace(b" ", b"")
         grows = {b"": 0, b"D": 1, b"DD": -1}[letters]
         radius = int(m[5][:12] or b"0")
-        found.append(Fourth(m.start(), m.start(4), m.end(4), radius, grows))
-    return found
+        out.append(Fourth(m.start(), m.start(4), m.end(4), radius, grows))
+    return out

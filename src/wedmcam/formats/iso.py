@@ -73,11 +73,11 @@ def in_words(tenths: Iterable[int]) -> str:
             rows[-1].append(code)
         else:
             rows.append([code])
-    said = []
+    words = []
     for row in rows:
         named = [f"G{n // PER_CODE:02d}" + (f".{n % PER_CODE}" * (n % PER_CODE > 0)) for n in row]
-        said += [f"{named[0]} to {named[-1]}"] if len(row) > 2 else named
-    return ", ".join(said)
+        words += [f"{named[0]} to {named[-1]}"] if len(row) > 2 else named
+    return ", ".join(words)
 
 
 #: The G codes that the reader knows where no profile is named, for people.

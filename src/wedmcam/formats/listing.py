@@ -55,6 +55,6 @@ def listed(
         )
 
 
-def in_order(found: Iterable[tuple[int, Diagnostic]]) -> list[Diagnostic]:
+def in_order(findings: Iterable[tuple[int, Diagnostic]]) -> list[Diagnostic]:
     """Return findings by their place in the file; equal places keep their order."""
-    return [diagnostic for _, diagnostic in sorted(found, key=lambda pair: pair[0])]
+    return [diagnostic for _, diagnostic in sorted(findings, key=lambda pair: pair[0])]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.controllers.zd065 import OUTLINE, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensate
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.formats import b4
 from wedmcam.formats.lengths import mm_of, to_mm
@@ -120,7 +120,7 @@ def _cutting(tell: _Teller, figure: NDArray[np.void], gap: int, outwards: bool) 
     """Return the blocks with their arcs offset by a gap, um, and refuse arcs that vanish."""
     cutting = tell.program.blocks.copy()
     arc = cutting["kind"] == Kind.ARC
-    scaled = compensated(figure, gap, outwards)
+    scaled = compensate(figure, gap, outwards)
     for name in ("x", "y", "count"):
         cutting[name][arc] = scaled[name][arc]
     tell(

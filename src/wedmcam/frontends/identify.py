@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.formats import b4, compact, rotation
-from wedmcam.formats import compensation as gap
+from wedmcam.formats import b4, compact, compensation, rotation
 from wedmcam.frontends.b3.records import find_records
 from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.style import lines_end, style_of
@@ -184,7 +183,9 @@ class _Layout:
 _LAYOUTS = (
     _Layout("compact", "compact cutting format", compact.LENGTH),
     _Layout("rotation", "rotation format", rotation.LENGTH, ((1, 3), (10, 3)), ((1, 3),)),
-    _Layout("compensation", "gap-compensation format", gap.LENGTH, ((1, 2),), (), ((1, 1),)),
+    _Layout(
+        "compensation", "gap-compensation format", compensation.LENGTH, ((1, 2),), (), ((1, 1),)
+    ),
 )
 
 

@@ -24,7 +24,7 @@ AIM, ENOUGH, MOST = 0.95, 0.90, 0.98
 #: Tries for one piece at most, and for all pieces of one section: over 1500 of them.
 TRIES, ROUNDS = 24, 6_000
 #: An arc that rises less than this over its chord is a line, um.
-FLAT_UM = 0.005
+STRAIGHT_UM = 0.005
 #: A piece shorter than this, um, is taken as it is: there is a cusp.
 SHORTEST_UM = 0.05
 
@@ -90,7 +90,7 @@ def centre(
     ahead = ux * wx + uy * wy
     # Height = chord / 2 * tan(sweep / 4), with tan(sweep / 2) = left / ahead.
     height = 0.5 * chord * left / np.where(chord + ahead > 0, chord + ahead, 1e-300)
-    arc = np.abs(height) > FLAT_UM
+    arc = np.abs(height) > STRAIGHT_UM
     r = square / (2.0 * np.where(arc, left, 1.0))
     return np.where(arc, x0 - uy * r, 0.0), np.where(arc, y0 + ux * r, 0.0), height
 
@@ -107,7 +107,7 @@ def _off(
 ) -> Floats:
     """Return distances of places from the circles (or lines) of arcs, shape (k, n)."""
     cx, cy, height = centre(x0, y0, ux, uy, qx, qy)
-    arc = np.abs(height) > FLAT_UM
+    arc = np.abs(height) > STRAIGHT_UM
     round_ = np.abs(
         np.hypot(x - cx[:, None], y - cy[:, None]) - np.hypot(x0 - cx, y0 - cy)[:, None]
     )
@@ -227,8 +227,8 @@ def _arcs(
     qx, qy = joint(x0, y0, ux[:, 0], uy[:, 0], x1, y1, ux[:, 1], uy[:, 1])
     ax, ay, rise = centre(x0, y0, ux[:, 0], uy[:, 0], qx, qy)
     bx, by, fall = centre(x1, y1, -ux[:, 1], -uy[:, 1], qx, qy)
-    one = np.where(np.abs(rise) > FLAT_UM, np.sign(rise), 0).astype(np.int64)
-    two = np.where(np.abs(fall) > FLAT_UM, -np.sign(fall), 0).astype(np.int64)
+    one = np.where(np.abs(rise) > STRAIGHT_UM, np.sign(rise), 0).astype(np.int64)
+    two = np.where(np.abs(fall) > STRAIGHT_UM, -np.sign(fall), 0).astype(np.int64)
     # Two lines would make a corner of nothing: one line does.
     both = (one == 0) & (two == 0)
     qx, qy = np.where(both, x1, qx), np.where(both, y1, qy)

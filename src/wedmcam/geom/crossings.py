@@ -36,7 +36,7 @@ class Crossings:
 def between(s: Segments, i: Ints, j: Ints) -> Crossings:
     """Return every crossing of segment i[k] with segment j[k], ends included."""
     ti, tj = s.turn[i] != 0, s.turn[j] != 0
-    found = []
+    roots = []
     for kind, mask in (
         ("ll", ~ti & ~tj),
         ("la", ~ti & tj),
@@ -47,17 +47,17 @@ def between(s: Segments, i: Ints, j: Ints) -> Crossings:
             continue
         a, b = i[mask], j[mask]
         if kind == "ll":
-            found.append(_line_line(s, a, b))
+            roots.append(_line_line(s, a, b))
         elif kind == "la":
-            found.append(_line_arc(s, a, b, False))
+            roots.append(_line_arc(s, a, b, False))
         elif kind == "al":
-            found.append(_line_arc(s, b, a, True))
+            roots.append(_line_arc(s, b, a, True))
         else:
-            found.append(_arc_arc(s, a, b))
-    if not found:
+            roots.append(_arc_arc(s, a, b))
+    if not roots:
         none = np.empty(0)
         return Crossings(np.empty(0, np.int64), np.empty(0, np.int64), none, none, none, none)
-    columns = [np.concatenate([f[k] for f in found]) for k in range(4)]
+    columns = [np.concatenate([f[k] for f in roots]) for k in range(4)]
     return _within(s, columns[0], columns[1], columns[2], columns[3])
 
 

@@ -119,9 +119,9 @@ def walls(s: Segments, owner: Ints, below_um: float) -> Walls:
     at_i = np.concatenate([at_a[k[:n]], beside[k[n:]]])
     at_j = np.concatenate([at_b[k[:n]], at_c[k[n:]]])
     shared = np.maximum(along[k], 0.0)
-    found = _least(p, i, j, at_i, at_j, shared, below_um)
-    k = found.k
-    return Walls(p.of[i[k]], p.of[j[k]], found.size, found.x, found.y)
+    nearest = _least(p, i, j, at_i, at_j, shared, below_um)
+    k = nearest.k
+    return Walls(p.of[i[k]], p.of[j[k]], nearest.size, nearest.x, nearest.y)
 
 
 def _may_be_near(s: Segments, i: Ints, j: Ints, below: float) -> Bools:

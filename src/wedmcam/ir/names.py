@@ -16,12 +16,12 @@ class Names:
         unmatched: those that match nothing there is.
     """
 
-    def __init__(self, asked: Iterable[str], there: Iterable[str]) -> None:
+    def __init__(self, names: Iterable[str], there: Iterable[str]) -> None:
         known = {name.casefold() for name in there}
         self._literal: set[str] = set()
         self._wild: list[str] = []
         self.unmatched: list[str] = []
-        for name in asked:
+        for name in names:
             word = name.casefold()
             self._literal.add(word)
             if word in known:

@@ -23,7 +23,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CutItem:
-    """One ``cut``: what, on which side, and how. Lengths in um; None where nothing is said.
+    """One ``cut``: what, on which side, and how. Lengths in um; None where it is not stated.
 
     Attributes:
         name: of the figure, for messages.

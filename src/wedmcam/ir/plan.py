@@ -149,7 +149,7 @@ class Material:
 class Plan:
     """Cuts in their order, and what they are to leave.
 
-    What is told of a plan as a whole is that of its scenes, so a part of it has the same.
+    A report on a plan as a whole is that of its scenes, so a part of it has the same.
 
     Attributes:
         cuts: in cutting order.

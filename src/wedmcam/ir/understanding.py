@@ -319,17 +319,17 @@ class Understanding:
     @property
     def threads(self) -> tuple[str, ...]:
         """Sentences that say who placed each thread point, and what would choose it."""
-        said = []
+        sentences = []
         own = [row for row in self.rows if row.thread.stated is None]
         for part in (False, True):
             of = [row for row in own if bool(row.drawn_by.lines) == part]
             if of:
-                said.append(f"{_names(of)} placed by wedmcam {self._cure(part, len(of))}")
+                sentences.append(f"{_names(of)} placed by wedmcam {self._cure(part, len(of))}")
         stated = [row for row in self.rows if row.thread.stated is not None]
-        said += [f"{row.thread.name} is {row.thread.origin}" for row in stated[:NAMED]]
+        sentences += [f"{row.thread.name} is {row.thread.origin}" for row in stated[:NAMED]]
         if len(stated) > NAMED:
-            said.append(f"and {len(stated) - NAMED} more that were stated")
-        return tuple(said)
+            sentences.append(f"and {len(stated) - NAMED} more that were stated")
+        return tuple(sentences)
 
     def _cure(self, part: bool, count: int) -> str:
         """Return why wedmcam placed thread points, and what would choose them."""

@@ -15,7 +15,7 @@ from typing import Any
 
 from wedmcam.diag import Diagnostic, error, note
 
-#: Figures that are told one by one; of the others their number.
+#: Figures that are listed one by one; of the others their number.
 LISTED = 10
 
 #: Figures are rounded up to a nanometre: so far two of the same may lie apart, um.
@@ -174,14 +174,14 @@ def fault(data: Any) -> str:
 
 
 def differences(
-    stated: Mapping[str, Any], now: Mapping[str, Any], found: Iterable[Diagnostic]
+    stated: Mapping[str, Any], now: Mapping[str, Any], findings: Iterable[Diagnostic]
 ) -> list[Diagnostic]:
     """Return a finding for each figure of a certificate that is not the one derived again.
 
     Args:
         stated: the certificate, without a `fault`.
         now: the certificate that would be written now.
-        found: findings of its program as they would stand in it.
+        findings: findings of its program as they would stand in it.
 
     A figure that is another is an error. So is, from the same version, one that is
     missing or too many, and another code or count of findings; from another version these are
@@ -202,13 +202,13 @@ def differences(
             figures = {k: v for k, v in figures.items() if not k.startswith(rows)}
     wrong: list[str] = []
     other: list[str] = []
-    asked: list[str] = []
+    options: list[str] = []
     loose = wrong if same_version else other
     for name in [*figures, *(name for name in claims if name not in figures)]:
         if name.startswith(_OPTIONS):
             if not (name in claims and name in figures and _same(claims[name], figures[name])):
                 values = (_shown(of[name]) if name in of else "nothing" for of in (claims, figures))
-                asked.append("the certificate says {} {}, asked for is {}".format(name, *values))
+                options.append("the certificate says {} {}, asked for is {}".format(name, *values))
         elif name not in figures:
             loose.append(f"the certificate says {name} {_shown(claims[name])}, there is none")
         elif name not in claims:
@@ -223,11 +223,11 @@ def differences(
             (other if name == "sha256.profile" else wrong).append(text)
     if not stated["ok"]:
         wrong.append("the certificate says ok false: it is of a program that failed")
-    loose.extend(_findings(stated["diagnostics"], found))
+    loose.extend(_findings(stated["diagnostics"], findings))
     issued = _shown(stated["version"])
     return [
         *_capped(wrong, error, "the certificate was changed: compile again"),
-        *_capped(asked, note, "what is asked for is proven"),
+        *_capped(options, note, "what is asked for is proven"),
         *_capped(other, note, f"the certificate is of version {issued}"),
     ]
 
@@ -283,13 +283,13 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _findings(stated: list[dict[str, Any]], found: Iterable[Diagnostic]) -> list[str]:
+def _findings(stated: list[dict[str, Any]], findings: Iterable[Diagnostic]) -> list[str]:
     """Return in which codes the findings of a certificate are others, or more or fewer."""
     claimed: Counter[tuple[str, str]] = Counter()
     for d in stated:
         claimed[d["severity"], d["code"]] += d["count"]
     now: Counter[tuple[str, str]] = Counter()
-    for one in found:
+    for one in findings:
         now[str(one.severity), one.code] += one.count
     return [
         f"the certificate says {claimed[key]} {key[0]}[{_shown(key[1])[1:-1]}], found: {now[key]}"

@@ -83,7 +83,7 @@ class Change(NamedTuple):
     def rank(self) -> tuple[int, bool, int, int, str]:
         """Fewest characters first: a slip of the finger changes, adds or drops one.
 
-        Then J and G before X and Y, many of which do as well.
+        Then J and G before X and Y: many values of X and Y would do as well.
         """
         by = abs(int(self.then) - int(self.now)) if self.field in ("X", "Y", "J") else 0
         return _slips(self.now, self.then), self.field in ("X", "Y"), by, self.row, self.field

@@ -138,10 +138,10 @@ def difference(
     for one, two in zip(here, there, strict=False):
         if one.cuts != two.cuts:
             return _ended(one, two, largest, "one cuts, the other moves with the generator off")
-        found = _compare(one, two, within_um)
-        largest = max(largest, found.largest_um)
-        if not found.equal:
-            return found._replace(largest_um=largest)
+        comparison = _compare(one, two, within_um)
+        largest = max(largest, comparison.largest_um)
+        if not comparison.equal:
+            return comparison._replace(largest_um=largest)
     if len(here) != len(there):
         n = min(len(here), len(there))
         more = here[n] if len(here) > n else there[n]

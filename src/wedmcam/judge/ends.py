@@ -35,9 +35,9 @@ def closes(f: Followed) -> Measured:
     findings: list[Diagnostic] = []
     closures: list[float | None] = []
     for k in range(len(f.assigned)):
-        closure, found = _ends(f, k)
+        closure, problems = _ends(f, k)
         closures.append(closure)
-        findings.extend(found)
+        findings.extend(problems)
     return Measured(findings, closures=tuple(closures))
 
 

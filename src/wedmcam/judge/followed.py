@@ -141,18 +141,18 @@ def follow(
         count: see `judge.judge`.
     """
     if terms.strict_order:
-        assigned, found = assign(program, stretches(way), plan.cuts)
+        assigned, findings = assign(program, stretches(way), plan.cuts)
         if not assigned:
-            return None, found
+            return None, findings
         cuts = [plan.cuts[a.cut] for a in assigned]
         backwards = [False] * len(cuts)
         route = plan_route(cuts)
     else:
         from wedmcam.judge.match import match
 
-        matched, found = match(way, program, plan)
+        matched, findings = match(way, program, plan)
         if matched is None:
-            return None, found
+            return None, findings
         assigned, cuts, route = matched.assigned, matched.cuts, matched.route
         backwards = matched.backwards
     index = np.concatenate([a.index for a in assigned])
@@ -193,7 +193,7 @@ def follow(
             survey=m,
             deviation=deviation,
         ),
-        found,
+        findings,
     )
 
 

@@ -1,4 +1,4 @@
-"""A plan seen in the steps of a machine, and figures told in um.
+"""A plan in the steps of a machine, and figures in um.
 
 The judge measures in steps: one of them is the unit of every bound that it knows, and where a step
 is 1 um there is nothing to do. Lowering scales the plan by itself; here it is done once more.

@@ -79,9 +79,9 @@ def judge(
     way = walk(program, stepping, textbook=count == "textbook")
     findings = check_blocks(program, limits, way.steps, free_moves)
     plan = in_steps(plan, program.step_um)
-    verdict, found = _judge(program, plan, terms, way, count)
+    verdict, problems = _judge(program, plan, terms, way, count)
     verdict = verdict_in_um(verdict, program.step_um)
-    findings.extend(found)
+    findings.extend(problems)
     if count == "textbook":
         stepped, _ = _judge(program, plan, terms, walk(program, stepping), "exact")
         stepped = verdict_in_um(stepped, program.step_um)
@@ -116,8 +116,8 @@ def _judge(
     program: Program, plan: Plan, terms: Terms, way: Walk, count: Count
 ) -> tuple[Verdict, list[Diagnostic]]:
     """Judge what one machine does; all lengths in its steps."""
-    followed, found = follow(program, plan, terms, way, count)
-    findings = list(found)
+    followed, problems = follow(program, plan, terms, way, count)
+    findings = list(problems)
     if followed is None:
         if not plan.cuts and not way.cutting.any():
             findings.append(error("missing-cut", "the plan has no cut and the program no block"))

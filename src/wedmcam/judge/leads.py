@@ -35,7 +35,7 @@ ARRIVES = 10.0
 
 def meet_no_cut(f: Followed) -> Measured:
     """Report the first place at which leads of a cut meet another cut."""
-    found = [
+    findings = [
         error(
             "lead-hits",
             "a lead of cut {cut} meets cut {other} at {place}",
@@ -52,7 +52,7 @@ def meet_no_cut(f: Followed) -> Measured:
             np.array(f.plan.plates),
         )
     ]
-    return Measured(found)
+    return Measured(findings)
 
 
 def hits(
@@ -80,16 +80,16 @@ def hits(
     if not len(i):
         return []
     met = segment_distance(leads.take(i), paths.take(j)) <= MEETS
-    found: dict[int, tuple[int, int, float, float]] = {}
+    places: dict[int, tuple[int, int, float, float]] = {}
     for a, b in zip(i[met].tolist(), j[met].tolist(), strict=True):
         cut = int(route.cut[lead[a]])
-        if cut in found:
+        if cut in places:
             continue
         own = paths.take(route.cut[path] == cut)
         place = _place(leads.take(np.array([a])), paths.take(np.array([b])), own)
         if place is not None:
-            found[cut] = int(number[cut]), int(number[route.cut[path[b]]]), *place
-    return list(found.values())
+            places[cut] = int(number[cut]), int(number[route.cut[path[b]]]), *place
+    return list(places.values())
 
 
 def _place(lead: Segments, path: Segments, own: Segments) -> tuple[float, float] | None:

@@ -200,7 +200,7 @@ def wrong_side(
     cut = np.concatenate([route.cut[rows]] * 2)
     at = np.concatenate([route.at[rows] + held.length / 2.0, route.at[rows]])
     bad = np.flatnonzero(kept.keeps(x, y))
-    found = []
+    places = []
     for c in np.flatnonzero(np.bincount(cut[bad])):
         mine = bad[cut[bad] == c]
         # On the outline parity says nothing; deepest first, then first along the route.
@@ -209,8 +209,8 @@ def wrong_side(
         d = np.minimum(d, span)
         k = mine[np.lexsort((at[mine], -d))[0]]
         if d.max() > 1e-3:
-            found.append((int(c), float(x[k]), float(y[k]), float(d.max()) + kept.offset))
-    return found
+            places.append((int(c), float(x[k]), float(y[k]), float(d.max()) + kept.offset))
+    return places
 
 
 class Coverage(NamedTuple):

@@ -88,9 +88,9 @@ def of_contours(contours: Sequence[Contour]) -> tuple[Segments, Ints]:
     kept[(first + count - 1)[is_open]] = False
     a, b, which = rows[kept], rows[following[kept]], which[kept]
     columns = (a["x"], a["y"], b["x"], b["y"], a["cx"], a["cy"], a["turn"])
-    made = segments(*(np.ascontiguousarray(c, np.float64) for c in columns))
-    some = made.length > NOTHING
-    return (made, which) if some.all() else (made.take(some), which[some])
+    every = segments(*(np.ascontiguousarray(c, np.float64) for c in columns))
+    some = every.length > NOTHING
+    return (every, which) if some.all() else (every.take(some), which[some])
 
 
 def plan_route(cuts: Sequence[Cut]) -> Route:

@@ -17,7 +17,7 @@ from wedmcam.judge.segments import Ints
 from wedmcam.judge.walk import Walk
 
 #: Against a whole drawing a program of some of its contours has too few cuts, in other places.
-SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B says of which"
+SOME_CONTOURS = "a load of --split, or a program of some contours: --cuts A-B names them"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,46 +83,46 @@ def stretches(walk: Walk) -> list[Stretch]:
     control = ~walk.cutting & (kind != Kind.WORD)
     group = np.cumsum(control)
     rows = np.flatnonzero(walk.cutting & (walk.steps > 0))
-    found: list[Stretch] = []
+    pieces: list[Stretch] = []
     if not len(rows):
-        return found
+        return pieces
     edges = np.flatnonzero(np.diff(group[rows])) + 1
     for part in np.split(rows, edges):
         first, last = int(part[0]), int(part[-1])
         joined = False
-        if found:
-            between = kind[int(found[-1].index[-1]) + 1 : first]
+        if pieces:
+            between = kind[int(pieces[-1].index[-1]) + 1 : first]
             between = between[(between != Kind.WORD) & (between != Kind.LINE)]
             joined = bool((between == Kind.PAUSE).all())
         start, end = walk.start[first], walk.end[last]
-        found.append(
+        pieces.append(
             Stretch(part, (int(start[0]), int(start[1])), (int(end[0]), int(end[1])), joined)
         )
-    return found
+    return pieces
 
 
 def assign(
-    program: Program, found: list[Stretch], cuts: tuple[Cut, ...]
+    program: Program, pieces: list[Stretch], cuts: tuple[Cut, ...]
 ) -> tuple[list[Assigned], list[Diagnostic]]:
     """Give each planned cut its stretches, in the plan's order; report too many and too few."""
     out: list[Assigned] = []
     findings: list[Diagnostic] = []
     r = c = 0
-    while r < len(found) and c < len(cuts):
-        stretch, cut = found[r], cuts[c]
+    while r < len(pieces) and c < len(cuts):
+        stretch, cut = pieces[r], cuts[c]
         if stretch.start != cut.thread:
             later = next(
                 (k for k in range(c + 1, len(cuts)) if cuts[k].thread == stretch.start), None
             )
             ahead = next(
-                (k for k in range(r + 1, len(found)) if found[k].start == cut.thread), None
+                (k for k in range(r + 1, len(pieces)) if pieces[k].start == cut.thread), None
             )
             if later is not None and ahead is None:
                 findings.extend(_missing(program, cuts[k], k) for k in range(c, later))
                 c = later
                 continue
             if ahead is not None:
-                findings.extend(_extra(program, found[k]) for k in range(r, ahead))
+                findings.extend(_extra(program, pieces[k]) for k in range(r, ahead))
                 r = ahead
                 continue
             findings.append(_thread(program, stretch, cut, c))
@@ -130,18 +130,18 @@ def assign(
         index, end = [stretch.index], stretch.end
         r += 1
         while (
-            r < len(found)
-            and found[r].joined
-            and _goes_on(cut, end, len(pauses), found[r], cuts, c)
+            r < len(pieces)
+            and pieces[r].joined
+            and _goes_on(cut, end, len(pauses), pieces[r], cuts, c)
         ):
             pauses.append(sum(len(k) for k in index))
-            index.append(found[r].index)
-            end = found[r].end
+            index.append(pieces[r].index)
+            end = pieces[r].end
             r += 1
         out.append(Assigned(c, np.concatenate(index), tuple(pauses)))
         c += 1
     findings.extend(_missing(program, cuts[k], k) for k in range(c, len(cuts)))
-    findings.extend(_extra(program, found[k]) for k in range(r, len(found)))
+    findings.extend(_extra(program, pieces[k]) for k in range(r, len(pieces)))
     return out, findings
 
 

@@ -92,11 +92,11 @@ def _cuts(way: Walk) -> list[Ints]:
 
 
 def _closure(way: Walk, step_um: float) -> float | None:
-    found = []
+    closures_um = []
     for rows in _cuts(way):
         dx, dy = way.end[rows[-1]] - way.start[rows[0]]
-        found.append(float(np.hypot(dx, dy)) * step_um)
-    closed = [f for f in found if f <= MEANT_CLOSED]
+        closures_um.append(float(np.hypot(dx, dy)) * step_um)
+    closed = [f for f in closures_um if f <= MEANT_CLOSED]
     return max(closed) if closed else None
 
 
@@ -104,5 +104,5 @@ def _limit(values: Ints, most: int, step_um: float) -> dict[str, float]:
     """Return the largest value, the limit and what is left of it, and the block that has it."""
     row = int(np.argmax(values)) if len(values) and values.any() else -1
     largest = int(values[row]) if row >= 0 else 0
-    told = in_um(np.array([largest, most, most - largest]), step_um).tolist()
-    return dict(zip(("largest", "limit", "margin"), told, strict=True)) | {"block": row + 1}
+    lengths = in_um(np.array([largest, most, most - largest]), step_um).tolist()
+    return dict(zip(("largest", "limit", "margin"), lengths, strict=True)) | {"block": row + 1}

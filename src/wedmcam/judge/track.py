@@ -299,10 +299,10 @@ def _candidates(
     every = [t] if not (turn > 0).any() else [t, t + turn, t - turn]
     # Of a tiny arc most is near its ends, and all the same elsewhere.
     beside = np.where(held.turn != 0, np.minimum(0.1 * held.length, 2 * NEAR), 2 * NEAR)
-    found, offs, rooms = [], [], []
+    places, offs, rooms = [], [], []
     for k, one in enumerate(every):
         fits = (one >= -NEAR) & (one <= held.length + NEAR) if k else np.ones(len(one), bool)
-        found.append((np.clip(one, 0.0, held.length) + starts)[fits])
+        places.append((np.clip(one, 0.0, held.length) + starts)[fits])
         offs.append(d[fits])
         rooms.append(beside[fits])
     tx, t_off = [], []
@@ -311,7 +311,7 @@ def _candidates(
         tx.append(vertex[away <= NEAR])
         t_off.append(away[away <= NEAR])
     vertices = np.concatenate(tx)
-    feet, off = np.concatenate(found), np.concatenate(offs)
+    feet, off = np.concatenate(places), np.concatenate(offs)
     if len(vertices):  # feet beside a vertex are that vertex
         free = np.abs(feet[:, None] - vertices).min(axis=1) > np.concatenate(rooms)
         feet, off = feet[free], off[free]

@@ -66,8 +66,8 @@ def builtin(name: str) -> Machine:
     >>> builtin("zd065").limits.memory_bytes
     4096
     """
-    machine, found = parse(text(name), name)
-    assert machine is not None, found  # a profile that we ship
+    machine, findings = parse(text(name), name)
+    assert machine is not None, findings  # a profile that we ship
     return machine
 
 
@@ -104,9 +104,9 @@ def of_file(text: str, file: str) -> tuple[Machine | None, list[Diagnostic]]:
     >>> of_file("", "shop.toml")[1][0].span
     FileSpan(file='shop.toml')
     """
-    machine, found = parse(text, file)
-    found.sort(key=lambda d: d.span.line if isinstance(d.span, TextSpan) else 0)
-    return (replace(machine, name=PurePath(file).stem) if machine else None), found
+    machine, findings = parse(text, file)
+    findings.sort(key=lambda d: d.span.line if isinstance(d.span, TextSpan) else 0)
+    return (replace(machine, name=PurePath(file).stem) if machine else None), findings
 
 
 def default(format_: str) -> Machine:

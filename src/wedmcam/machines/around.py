@@ -47,13 +47,13 @@ def behind_end(footer: Sequence[str], semicolon: str) -> list[str]:
     >>> behind_end(["M30", "N9 M81 (WIRE OFF)", "%"], ""), behind_end(["g 00 x5;M02"], "block")
     (['M81'], ['G00', 'X5'])
     """
-    found = []
+    words = []
     for line in footer:
         for letter, number in _WORD.findall(code_of(line, semicolon)):
             ends = letter == "M" and _whole(number) in iso.ENDS
             if not ends and letter not in "NO":  # numbers of lines and programs do nothing
-                found.append(letter + number)
-    return found
+                words.append(letter + number)
+    return words
 
 
 def _whole(number: str) -> int:
@@ -82,12 +82,12 @@ def modes(header: Sequence[str], feed: bool, semicolon: str) -> list[tuple[str, 
     codes = re.findall(r"G0*(6[14]|9[345])(?![\d.])", text)
     exact = [code for code in codes if code in _EXACT]
     fed = [code for code in codes if code in _FEED]
-    found = []
+    doubts = []
     if exact and exact[-1] == "64":
-        found.append(("G64", "the controller may round corners"))
+        doubts.append(("G64", "the controller may round corners"))
     if feed and fed and fed[-1] != "94":
-        found.append((f"G{fed[-1]}", "F is no length a minute"))
-    return found
+        doubts.append((f"G{fed[-1]}", "F is no length a minute"))
+    return doubts
 
 
 def metric(header: Sequence[str], semicolon: str) -> bool:
@@ -114,18 +114,18 @@ def faults(header: Sequence[str], footer: Sequence[str], semicolon: str) -> list
     >>> faults(["(PLATE"], ["G00 X0"], "")[0][0], faults(["G21", "%"], [], "")[0][0]
     ('header', 'header')
     """
-    found = []
+    problems = []
     for key, lines, at in (("header", header, 0), ("footer", footer, len(footer) - 1)):
         for n, line in enumerate(lines):
             rest = code_of(line, semicolon)
             if "(" in rest or ")" in rest:
                 why = f"'{line}': a parenthesis is open: to some controllers all behind it is text"
-                found.append((key, why))
+                problems.append((key, why))
             elif re.fullmatch(r"[%;]*%[%;]*", rest) and n != at:
                 where = "first in a header" if key == "header" else "last in a footer"
-                found.append((key, f"'%' may end a program: it stands {where}"))
+                problems.append((key, f"'%' may end a program: it stands {where}"))
     moves = [word for word in behind_end(footer, semicolon) if _moves(word)]
     if moves:
         why = f"'{' '.join(moves)}' stands behind M02: some controllers stop there, others go on"
-        found.append(("footer", why))
-    return found
+        problems.append(("footer", why))
+    return problems

@@ -223,10 +223,10 @@ class Axes:
         return not (self.exchange or self.mirror_x or self.mirror_y)
 
     @property
-    def said(self) -> str:
+    def text(self) -> str:
         """What is done to the axes, for people; empty for nothing.
 
-        >>> Axes(exchange=True, mirror_x=True).said, Axes(step_um=2).said
+        >>> Axes(exchange=True, mirror_x=True).text, Axes(step_um=2).text
         ('x mirrored, then x and y exchanged', 'steps of 2 um')
         """
         mirrored = [name for name, on in (("x", self.mirror_x), ("y", self.mirror_y)) if on]

@@ -93,11 +93,11 @@ class Vocabulary:
         """
         starts, entry, ranged, letter_entry = self._segments
         at = letters.astype(np.int64) * PER_LETTER
-        found = entry[np.searchsorted(starts, at + tenths, "right") - 1]
-        dotted = ranged[found] & (tenths % PER_CODE != 0)
+        rows = entry[np.searchsorted(starts, at + tenths, "right") - 1]
+        dotted = ranged[rows] & (tenths % PER_CODE != 0)
         if dotted.any():  # a range is of whole numbers
-            found = np.where(dotted, letter_entry[letters], found)
-        return found
+            rows = np.where(dotted, letter_entry[letters], rows)
+        return rows
 
     @cached_property
     def classes(self) -> NDArray[np.int8]:
@@ -235,7 +235,7 @@ def _both(
     if letter != k or last < a or b < first:
         return None
     if (a, b) == (first, last):
-        return f"is said twice: it is '{key}' under '{of}'"
+        return f"is named twice: it is '{key}' under '{of}'"
     inside = (a <= first and last <= b) or (first <= a and b <= last)
     if not inside and name != of:
         return f"overlaps '{key}' under '{of}': a word is of one class"

@@ -2,7 +2,7 @@
 
 The built-in files leave defaults out, and a reader cannot see what could stand there. Here each key
 that the format takes is written with what it means. Meanings are those of the attributes in
-``machine``, so they are said once.
+``machine``, so they are stated once.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ def meanings(of: type) -> dict[str, str]:
     'count length J of one block.'
     """
     text = inspect.getdoc(of) or ""
-    _, _, listed = text.partition("Attributes:\n")
-    found: dict[str, str] = {}
-    for name, said in re.findall(r"^    (\w+): (.*(?:\n(?:        .*|))*)", listed, re.M):
-        found[name] = " ".join(re.sub("`+", "", said).split())
-    return found
+    _, _, attributes = text.partition("Attributes:\n")
+    out: dict[str, str] = {}
+    for name, meaning in re.findall(r"^    (\w+): (.*(?:\n(?:        .*|))*)", attributes, re.M):
+        out[name] = " ".join(re.sub("`+", "", meaning).split())
+    return out
 
 
 def about(of: type) -> list[str]:
@@ -80,12 +80,12 @@ def section_types() -> dict[str, type]:
 def entries(machine: Machine | None = None, format_: str | None = None) -> Iterator[Entry]:
     """Yield the keys that a format takes, in their order, with the values of a machine.
 
-    Without a machine values are None; without a format all keys are told.
+    Without a machine values are None; without a format all keys are given.
     """
     wanted = machine.format if machine else format_
     for section, rules in _SCHEMA.items():
         holder: Any = getattr(machine, section) if machine and section else machine
-        said = meanings(section_types()[section]) if section in section_types() else {}
+        of_key = meanings(section_types()[section]) if section in section_types() else {}
         for key, rule in rules.items():
             if wanted is not None and wanted not in rule.formats:
                 continue
@@ -93,7 +93,7 @@ def entries(machine: Machine | None = None, format_: str | None = None) -> Itera
             if value is not None and not (type(value) is rule.of and rule.good(value)):
                 value = None  # 0 for no limit: a profile says that by leaving the key out
             yield Entry(
-                section, key, value, rule.takes, said.get(key, ""), rule.required, rule.formats
+                section, key, value, rule.takes, of_key.get(key, ""), rule.required, rule.formats
             )
         if section == "iso" and (wanted is None or wanted in _ISO):
             yield from _word_entries(machine)
@@ -116,11 +116,11 @@ def _toml_value(key: str, value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-def _written(value: Any) -> str:
+def _toml_text(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list):
-        return f"[{', '.join(_written(v) for v in value)}]"
+        return f"[{', '.join(_toml_text(v) for v in value)}]"
     # Strings of JSON are basic strings of TOML; whole numbers are the same in both.
     return json.dumps(value, ensure_ascii=False)
 
@@ -134,7 +134,7 @@ def fingerprint(machine: Machine) -> str:
     >>> fingerprint(builtin("zd065")) == fingerprint(builtin("zd065-rotation"))
     False
     """
-    lines = [f"[{e.section}] {e.key} = {_written(e.value)}\n" for e in entries(machine)
+    lines = [f"[{e.section}] {e.key} = {_toml_text(e.value)}\n" for e in entries(machine)
              if e.value is not None]  # fmt: skip
     return hashlib.sha256("".join(lines).encode("utf-8")).hexdigest()
 
@@ -159,12 +159,12 @@ def as_toml(machine: Machine) -> str:
                 lines += _comment(f"{words[class_]} Takes {TAKES}, and what it does.")
         if section.startswith("iso.words."):
             key = entry.key if "." not in entry.key else json.dumps(entry.key)
-            lines += [f"{key} = {_written(entry.value)}"] if entry.key else ["# no word"]
+            lines += [f"{key} = {_toml_text(entry.value)}"] if entry.key else ["# no word"]
             continue
         about = f"{entry.means} Takes {entry.takes}.".strip()
         lines += _comment(about)
         if entry.value is None:
             lines.append(f"# {entry.key} is not set")
         else:
-            lines.append(f"{entry.key} = {_written(entry.value)}")
+            lines.append(f"{entry.key} = {_toml_text(entry.value)}")
     return "\n".join(lines) + "\n"

@@ -50,9 +50,9 @@ def compile(
 
     Example::
 
-        made = wedmcam.compile("bracket.dxf", offset=0.1)
-        if made.ok:
-            Path("bracket.3b").write_bytes(made.data)
+        compilation = wedmcam.compile("bracket.dxf", offset=0.1)
+        if compilation.ok:
+            Path("bracket.3b").write_bytes(compilation.data)
     """
     data, name = bytes_of(source, name)
     machine = machine_for(to, profile)
@@ -72,7 +72,7 @@ def planned_for(
 ) -> str:
     """Read and plan a source for machines; ``run`` keeps both. Return where it was refused, if."""
     try:
-        pipeline.planned(data, name, options, [target_of(m) for m in machines], run)
+        pipeline.plan_source(data, name, options, [target_of(m) for m in machines], run)
     except Refused as why:
         return why.stage
     return ""
@@ -101,31 +101,31 @@ def compile_plan(
         refused: where planning stopped; then nothing is compiled.
         named: the machine was named, and is not just the default of its format.
     """
-    target, stage, made = target_of(machine), refused, run.values
+    target, stage, values = target_of(machine), refused, run.values
     if not stage:
         try:
-            part = run("plan", (portion(made["plan"], target, options, run), ()))
-            pipeline.compiled(part, target, options, run, output_name)
+            part = run("plan", (portion(values["plan"], target, options, run), ()))
+            pipeline.write_and_prove(part, target, options, run, output_name)
             run.add("verify", [] if named else machines.unnamed(machine))
         except Refused as why:
             stage = why.stage
-    entries, verdict = made.get("enter"), made.get("verify")
+    entries, verdict = values.get("enter"), values.get("verify")
     issued = options
     if entries is not None and entries.d:  # belongs to the program: who proves it enters it
         issued = options.with_values(d=entries.d)
-    ok, drawn = not stage, made.get("drawn")
-    known = understood_of(made.get("plan"))
-    out = made["encode"] if ok else None
+    ok, drawn = not stage, values.get("drawn")
+    known = understood_of(values.get("plan"))
+    out = values["encode"] if ok else None
     return Compilation(
         ok,
         out,
-        made.get("decode") if ok else None,
-        made.get("plan"),
+        values.get("decode") if ok else None,
+        values.get("plan"),
         drawn,
         machine,
         verdict if ok else None,
         summary_of(
-            run.found,
+            run.findings,
             machine,
             issued,
             Files(name, data, output_name, out),
@@ -134,38 +134,40 @@ def compile_plan(
             known,
         ),
         options,
-        tuple(run.found),
+        tuple(run.findings),
         stage,
-        made.get("lower"),
+        values.get("lower"),
         entries,
         known,
-        made.get("seen"),
+        values.get("seen"),
     )
 
 
-def source_map(made: Compilation) -> dict[str, Any]:
+def source_map(compilation: Compilation) -> dict[str, Any]:
     """Return which block was drawn by what, as plain data (docs/map.md)."""
-    if not made.ok or made.lowered is None or made.program is None:
+    if not compilation.ok or compilation.lowered is None or compilation.program is None:
         raise WrongUse("a map is of a proven program")
-    return map_of(made.lowered, made.program, made.machine, summary=made.summary)
+    return map_of(
+        compilation.lowered, compilation.program, compilation.machine, summary=compilation.summary
+    )
 
 
-def arithmetic_difference(made: Compilation, source: Source) -> float | None:
+def arithmetic_difference(compilation: Compilation, source: Source) -> float | None:
     """Return by how much the wire path would differ in the other arithmetic, um.
 
     Args:
-        made: a compile; `compile` tells in ``summary["arithmetic"]`` in what it was computed.
+        compilation: its ``summary["arithmetic"]`` tells in what it was computed.
         source: what was compiled, a path or bytes.
 
     Returns:
         The largest distance between the exact paths; None where one of them does not exist.
 
-    >>> made = compile(path := "samples/cover.dxf", offset=0.1)  # doctest: +SKIP
-    >>> arithmetic_difference(made, path)  # doctest: +SKIP
+    >>> compilation = compile(path := "samples/cover.dxf", offset=0.1)  # doctest: +SKIP
+    >>> arithmetic_difference(compilation, path)  # doctest: +SKIP
     0.0027
     """
-    if made.drawn is None or made.plan is None:
+    if compilation.drawn is None or compilation.plan is None:
         return None
-    data, name = bytes_of(source, made.summary["input"])
-    apart = difference_um(data, name, made.drawn, made.plan, made.options)
+    data, name = bytes_of(source, compilation.summary["input"])
+    apart = difference_um(data, name, compilation.drawn, compilation.plan, compilation.options)
     return None if apart is None else round(apart, 4)

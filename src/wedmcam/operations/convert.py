@@ -133,52 +133,52 @@ def convert(
         WrongUse: an unknown format or profile.
         OSError: the path cannot be read.
 
-    >>> made = convert(b"B17000B5000B17000GXL1 DD", to="compact")
-    >>> made.data.hex(" ")
+    >>> conversion = convert(b"B17000B5000B17000GXL1 DD", to="compact")
+    >>> conversion.data.hex(" ")
     '01 01 70 00 00 50 00 00'
     """
     entries = entered or Entries()
     feed_um = more.pop("feed_um", None)
-    program, machine_in, found = read_program(
+    program, machine_in, read_findings = read_program(
         source, profile=profile_in, format=format, name=name, entered=entries, **more
     )
     output = OUTPUTS.get(to or "")
     machine = None if output else machine_for(to, profile)
     entries.check(machine_in.format, machine.format if machine else to or "")
     stays = machine is not None and target_of(machine).takes_gap
-    findings = list(found) if to == "svg" else _of_reader(found, stays)
+    findings = list(read_findings) if to == "svg" else _of_reader(read_findings, stays)
     data = other = apart = None
     if program is None or has_errors(findings):
         pass  # the reader says why
     elif output:
-        data, found_here = _writer(output)(program, machine_in, name or str(source)[:200])
-        findings += found_here
+        data, problems = _writer(output)(program, machine_in, name or str(source)[:200])
+        findings += problems
     elif machine is not None:
         outline = stays and not entries.gap_um
         senses = target_of(machine_in).senses(bytes_of(source, name)[0]) if outline else None
-        data, other, apart, found_here = between(
+        data, other, apart, problems = between(
             program, machine_in, machine, entries, senses, feed_um
         )
-        findings += found_here
+        findings += problems
         if data is not None and profile is None:
             findings += machines.unnamed(machine)
-    stopped = has_errors(findings) or (strict and _warned(findings))
+    stopped = has_errors(findings) or (strict and _has_warnings(findings))
     return Conversion(
         None if stopped else data, program, other, machine_in, machine, apart, tuple(findings)
     )
 
 
-def _of_reader(found: Sequence[Diagnostic], stays: bool) -> list[Diagnostic]:
+def _of_reader(read_findings: Sequence[Diagnostic], stays: bool) -> list[Diagnostic]:
     """Return the findings of the reader as they are for a conversion.
 
     A path needs its gap; and a word that a reader leaves out without harm is a loss.
 
     Args:
-        found: by the reader.
+        read_findings: by the reader.
         stays: the outline stays one, and needs no gap.
     """
     findings = []
-    for d in found:
+    for d in read_findings:
         if d.code == "iso-harmless":
             findings.append(
                 replace(d, code="not-carried", severity=Severity.WARNING).with_hint(
@@ -200,8 +200,8 @@ def _of_reader(found: Sequence[Diagnostic], stays: bool) -> list[Diagnostic]:
     return findings
 
 
-def _warned(found: list[Diagnostic]) -> bool:
-    return any(d.severity >= Severity.WARNING for d in found)
+def _has_warnings(findings: list[Diagnostic]) -> bool:
+    return any(d.severity >= Severity.WARNING for d in findings)
 
 
 def _writer(output: str) -> Writer:
@@ -241,24 +241,24 @@ def between(
     if target.refuses_carried is not None:
         return None, None, None, [target.refuses_carried]
     stepping = machine_in.stepping
-    carried, found = carry(program, stepping, target.carry_rules(machine_in.format))
+    carried, findings = carry(program, stepping, target.carry_rules(machine_in.format))
     if carried is None:
-        return None, None, None, found
+        return None, None, None, findings
     arcs = program.blocks["kind"] == Kind.ARC
     known = senses is not None and bool(senses[arcs].all())
     data, more = target.write_carried(carried, entries, senses if known else None, feed_um)
-    found += more
+    findings += more
     if data is None or has_errors(more):
-        return None, None, None, found
+        return None, None, None, findings
     other, problems = target.read(data, f"the {machine.format} program", entries)
-    found += [d for d in problems if d.severity is Severity.ERROR]
-    if has_errors(found):
-        return None, other, None, found
+    findings += [d for d in problems if d.severity is Severity.ERROR]
+    if has_errors(findings):
+        return None, other, None, findings
     within = WITHIN_UM * max(1.0, program.step_um)
     apart = difference(program, other, stepping, machine.stepping, within)
     if not apart.equal:
-        found.append(_differs(machine.format, program, apart))
-    return (data if apart.equal else None), other, apart, found
+        findings.append(_differs(machine.format, program, apart))
+    return (data if apart.equal else None), other, apart, findings
 
 
 def _differs(format_: str, program: Program, apart: Difference) -> Diagnostic:
@@ -310,15 +310,15 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
     pieces = np.ones(len(program.blocks), np.int64)
     for attempt in range(TRIES + 1):
         last = attempt == TRIES
-        data, found = source(program, machine, name, pieces)
-        found = [*left_out, *found]
-        if has_errors(found):
-            return b"", found
+        data, findings = source(program, machine, name, pieces)
+        findings = [*left_out, *findings]
+        if has_errors(findings):
+            return b"", findings
         compilation = compile_source(data, profile=own, name=f"{Path(name).name}.wed")
         reason = hindrance(program, machine)
         if not compilation.ok or compilation.program is None:
             if reason is not None:
-                return b"", [*found, reason]
+                return b"", [*findings, reason]
             why = next(d for d in compilation.findings if d.severity is Severity.ERROR)
             failed = error(
                 "conversion-differs",
@@ -326,15 +326,15 @@ def as_wed(program: Program, machine: Machine, name: str) -> tuple[bytes, list[D
                 hint=ANY_PATH,
                 why=why.message,
             )
-            return b"", [*found, failed]
+            return b"", [*findings, failed]
         within = WITHIN_UM * max(1.0, program.step_um)
         apart = difference(program, compilation.program, *steppings, within)
         if apart.equal:
-            return data, found
+            return data, findings
         i = apart.block_a - 1
         if last or not program.blocks["turn"][i] or pieces[i] >= MOST_PIECES:
             if reason is not None:
-                return b"", [*found, reason]
-            return b"", [*found, _differs("part", program, apart)]
+                return b"", [*findings, reason]
+            return b"", [*findings, _differs("part", program, apart)]
         pieces[i] *= 2
     raise AssertionError  # the last try returns

@@ -21,7 +21,7 @@ def diff(
     names: tuple[str | None, str | None] = (None, None),
     profiles: tuple[Machine | str | None, Machine | str | None] = (None, None),
     d: tuple[tuple[int, float], ...] = (),
-    **said: str | None,
+    **answers: str | None,
 ) -> tuple[Difference | None, tuple[Diagnostic, ...]]:
     """Compare two programs of any formats as step paths; see ``judge.difference``.
 
@@ -32,27 +32,27 @@ def diff(
         names: of both in findings.
         profiles: of both.
         d: numbers and offsets (um) of ISO programs with G41 or G42.
-        **said: of ISO programs, as for `read_program`; ``whole_in_b`` and others are of the second
-            where it is read otherwise.
+        **answers: of ISO programs, as for `read_program`; ``whole_in_b`` and others are of the
+            second where it is read otherwise.
 
     Returns:
         The difference; None where one cannot be read. And the findings of both readers.
     """
-    first: dict[str, Any] = {name: v for name, v in said.items() if not name.endswith("_b")}
-    other = {n: v for n in ANSWERS if (v := said.get(f"{n}_b")) is not None}
-    check_answers({name.removesuffix("_b"): v for name, v in said.items()})
+    first: dict[str, Any] = {name: v for name, v in answers.items() if not name.endswith("_b")}
+    other = {n: v for n in ANSWERS if (v := answers.get(f"{n}_b")) is not None}
+    check_answers({name.removesuffix("_b"): v for name, v in answers.items()})
     read = [
         read_program(source, profile=profile, name=name, entered=Entries(d=d), **of)
         for source, name, profile, of in zip(
             (a, b), names, profiles, (first, {**first, **other}), strict=True
         )
     ]
-    found = tuple(d for _, _, some in read for d in some)
+    findings = tuple(d for _, _, some in read for d in some)
     (one, machine_a, _), (two, machine_b, _) = read
     if one is None or two is None:
-        return None, found
+        return None, findings
     steppings = machine_a.stepping, machine_b.stepping
-    return difference(one, two, *steppings, 1000.0 * within_mm), found
+    return difference(one, two, *steppings, 1000.0 * within_mm), findings
 
 
 def difference_data(d: Difference, a: str = "a", b: str = "b") -> dict[str, Any]:

@@ -92,13 +92,15 @@ def metamorphic(
     run, target = Run(options.judging.strict), target_of(machine)
     options = replace(options, wishes=frozenset())  # a compile says which had no effect
     try:
-        drawn, plan = pipeline.planned(data, name, options, [target], run)
+        drawn, plan = pipeline.plan_source(data, name, options, [target], run)
     except Refused:
-        return (), run.found
+        return (), run.findings
     images = []
     for isometry in ISOMETRIES:
-        moved, asked = _moved(drawn, options, isometry)
-        images.append(_image(isometry.name, moved, asked, target, _plan_moved(plan, isometry)))
+        moved, moved_options = _moved(drawn, options, isometry)
+        images.append(
+            _image(isometry.name, moved, moved_options, target, _plan_moved(plan, isometry))
+        )
     other_way = options.with_values(reverse=not options.leading.reverse)
     images.append(_image("run the other way round", drawn, other_way, target, plan))
     images.append(_elsewhere(drawn, options, target, plan))
@@ -161,19 +163,19 @@ def _image(name: str, drawn: Drawn, options: Options, target: Target, wanted: Pl
     run = Run()
     try:
         plan = pipeline.plan_of(drawn, options, [target], run)
-        entries, lowered, data = pipeline.emitted(plan, target, options, run)
-        decoded, found = target.read(data, name, entries)
-        run.add("decode", found)
+        entries, lowered, data = pipeline.write_program(plan, target, options, run)
+        decoded, findings = target.read(data, name, entries)
+        run.add("decode", findings)
     except Refused as why:
-        return Image(name, False, None, 0, f"{why.stage} refuses it: {_first(run.found)}")
+        return Image(name, False, None, 0, f"{why.stage} refuses it: {_first(run.findings)}")
     program = replace(decoded, origin=lowered.origin)
-    verdict, found = pipeline.judged(program, wanted, target, options, strict_order=False)
-    text = "" if verdict.ok else _first(found)
+    verdict, findings = pipeline.judge_program(program, wanted, target, options, strict_order=False)
+    text = "" if verdict.ok else _first(findings)
     return Image(name, verdict.ok, verdict.max_deviation_um, verdict.blocks, text)
 
 
-def _first(found: list[Diagnostic]) -> str:
-    return next((d.message for d in found if d.severity is Severity.ERROR), "")
+def _first(findings: list[Diagnostic]) -> str:
+    return next((d.message for d in findings if d.severity is Severity.ERROR), "")
 
 
 def _elsewhere(drawn: Drawn, options: Options, target: Target, plan: Plan) -> Image:
@@ -184,13 +186,13 @@ def _elsewhere(drawn: Drawn, options: Options, target: Target, plan: Plan) -> Im
     for away in (ELSEWHERE, ELSEWHERE / 4.0):
         for share in (1 / 2, 1 / 3, 2 / 3):
             points = tuple(_beside(c, share, away) for c in cuts)
-            asked = options.with_values(starts_um=points)
+            threaded = options.with_values(starts_um=points)
             try:
-                pipeline.plan_of(moved, asked, [target], Run())
+                pipeline.plan_of(moved, threaded, [target], Run())
             except Refused:
                 continue
             if points:
-                return _image(name, moved, asked, target, plan)
+                return _image(name, moved, threaded, target, plan)
     return Image(name, True, None, 0, "not tried: no other thread points fit")
 
 

@@ -50,10 +50,10 @@ def inspect(
         drawn = sources.read(data, name, options, run)
     except Refused:
         seen = run.values.get("seen")
-        return Inspection(None, {"input": name}, tuple(run.found), seen)
+        return Inspection(None, {"input": name}, tuple(run.findings), seen)
     facts, more = facts_of(name, drawn, options)
-    run.found += (*drawn.doubts, *more)
-    return Inspection(drawn, facts, tuple(run.found))
+    run.findings += (*drawn.doubts, *more)
+    return Inspection(drawn, facts, tuple(run.findings))
 
 
 def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any], list[Diagnostic]]:
@@ -67,7 +67,7 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
     boxes = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     closed = [c for c in contours if c.closed]
-    roles = Counter(Role.of(c.closed, depth) for c, depth, _ in _listed(drawn))
+    roles = Counter(Role.of(c.closed, depth) for c, depth, _ in _contours_of(drawn))
     facts: dict[str, Any] = {
         "input": name,
         "units": info.units,
@@ -92,7 +92,7 @@ def facts_of(name: str, drawn: Drawn, options: Options) -> tuple[dict[str, Any],
         "zero_length": drawn.report.zero_length,
         "length_mm": round(sum(measure.length(c.vertices, c.closed) for c in contours) / 1000, 3),
         "smallest_radius": _smallest_radius(contours),
-        "list": [_one(k, c, d, p) for k, (c, d, p) in enumerate(_listed(drawn))],
+        "list": [_one(k, c, d, p) for k, (c, d, p) in enumerate(_contours_of(drawn))],
     }
     facts.update(info.extra)
     scenes, unsound = _scenes_to_cut(drawn, options)
@@ -126,7 +126,7 @@ def _mm(values: Any) -> list[float]:
     return [round(float(v) / 1000, 3) + 0.0 for v in values]
 
 
-def _listed(drawn: Drawn) -> list[tuple[Contour, int, int]]:
+def _contours_of(drawn: Drawn) -> list[tuple[Contour, int, int]]:
     return list(zip(drawn.contours, drawn.nesting.depths, drawn.nesting.parents, strict=True))
 
 

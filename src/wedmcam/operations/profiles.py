@@ -20,10 +20,10 @@ def machine_for(to: str | None, profile: Machine | str | None) -> Machine:
         WrongUse: an unknown one, or a profile of another format.
     """
     if isinstance(profile, str):
-        machine, found = machines.find(profile)
+        machine, findings = machines.find(profile)
         if machine is None:
-            hint = f" ({found[0].hint})" if found[0].hint else ""
-            raise WrongUse(found[0].message + hint)
+            hint = f" ({findings[0].hint})" if findings[0].hint else ""
+            raise WrongUse(findings[0].message + hint)
         profile = machine
     if profile is None:
         try:
@@ -44,18 +44,18 @@ def machine_issued(certificate: dict[str, Any]) -> Machine:
     name, text = str(certificate["profile"]), certificate.get("profile_toml")
     if text is None:
         return machine_for(None, name)
-    machine, found = machines.parse(str(text), name)
+    machine, findings = machines.parse(str(text), name)
     if machine is None:
-        raise WrongUse(f"the certificate's profile '{name}' cannot be used: {found[0].message}")
+        raise WrongUse(f"the certificate's profile '{name}' cannot be used: {findings[0].message}")
     return machine
 
 
 def starts_of(machine: Machine) -> dict[str, Any]:
     """Return what a certificate says of a machine beside its own, where starts are placed."""
-    found: dict[str, Any] = {"starts_of": machine.name}
+    values: dict[str, Any] = {"starts_of": machine.name}
     if not machines.is_builtin(machine):
-        found["starts_of_toml"] = as_toml(machine)
-    return found
+        values["starts_of_toml"] = as_toml(machine)
+    return values
 
 
 def targets_of(machine: Machine, certificate: dict[str, Any] | None) -> list[Target]:

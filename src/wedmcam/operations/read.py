@@ -18,32 +18,32 @@ from wedmcam.operations.profiles import reader_machine
 from wedmcam.targets import Entries, target_of
 
 #: Why a program whose controller makes the path is neither proven nor converted without its gap.
-NO_GAP = "no gap is given: by how much the wire runs beside the outline is nowhere said"
+NO_GAP = "no gap is given: the program does not state how far the wire runs beside its outline"
 
 
-def dialect_of(said: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:
-    """Return what is said of a program beside its text; keywords as in `frontends.answers.ANSWERS`.
+def dialect_of(answers: Mapping[str, str | None], named: bool, shown: bool = False) -> Dialect:
+    """Return the dialect that the answers give; keywords as in `frontends.answers.ANSWERS`.
 
     Args:
-        said: the answers.
+        answers: by keyword.
         named: its profile was named, and says the rest.
-        shown: nothing is written or proven: what is not said is assumed.
+        shown: nothing is written or proven: what no answer tells is assumed.
 
     Raises:
         WrongUse: no such keyword or answer.
     """
-    check_answers(said)
+    check_answers(answers)
     units, whole = (
-        None if (unit := said.get(name)) is None else nm_of(unit)
+        None if (unit := answers.get(name)) is None else nm_of(unit)
         for name in ("units_in", "whole_in")
     )
     return Dialect(
-        coordinates=said.get("coordinates_in"),
+        coordinates=answers.get("coordinates_in"),
         units_nm=units,
         whole_nm=whole,
-        centres=said.get("centres_in"),
-        semicolon=said.get("semicolon_in"),
-        subprograms=said.get("subprograms_in"),
+        centres=answers.get("centres_in"),
+        semicolon=answers.get("semicolon_in"),
+        subprograms=answers.get("subprograms_in"),
         named=named,
         shown=shown,
         asks=True,
@@ -58,7 +58,7 @@ def read_program(
     name: str | None = None,
     entered: Entries | None = None,
     shown: bool = False,
-    **said: str | None,
+    **answers: str | None,
 ) -> tuple[Program | None, Machine, tuple[Diagnostic, ...]]:
     """Return a program as decoded, the machine it was read with, and the findings.
 
@@ -71,24 +71,24 @@ def read_program(
         entered: what the operator enters beside a rotation or compensation file, or for G41, G42.
         shown: the program is only shown: what it leaves open is assumed, and said first. Else it is
             refused.
-        **said: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``, ``centres_in``,
-            ``semicolon_in``, ``subprograms_in``, as in `ProgramReading`.
+        **answers: of an ISO program: ``units_in``, ``whole_in``, ``coordinates_in``,
+            ``centres_in``, ``semicolon_in``, ``subprograms_in``, as in `ProgramReading`.
 
     Raises:
-        WrongUse: an unknown format or profile, or something else said.
+        WrongUse: an unknown format or profile, or another keyword.
     """
     data, name = bytes_of(source, name)
     machine = reader_machine(data, name, format, profile)
-    target, dialect = target_of(machine), dialect_of(said, profile is not None, shown)
+    target, dialect = target_of(machine), dialect_of(answers, profile is not None, shown)
     run = Run()
     try:
         entries = replace(entered or Entries(), dialect=dialect)
         decoded = run("decode", target.read(data, name, entries))
     except Refused:
-        return None, machine, tuple(run.found)
+        return None, machine, tuple(run.findings)
     if entered is None or entered.gap_um is None:
         run.add("decode", target.unstated(decoded))
-    return decoded, machine, tuple(run.found)
+    return decoded, machine, tuple(run.findings)
 
 
 def figures(program: Program, machine: Machine) -> dict[str, Any]:

@@ -51,11 +51,11 @@ def compile_loads(
     data, name = bytes_of(source, name)
     run = Run(options.judging.strict)
     refused = planned_for(data, name, options, [profile], run)
-    made: list[Compilation] = []
+    loads: list[Compilation] = []
 
-    def load_of(asked: Options, output: str) -> Compilation:
-        trial, said = run.forked(), named or bool(made)  # said once
-        return compile_plan(data, name, profile, asked, trial, output, refused, named=said)
+    def load_of(portioned: Options, output: str) -> Compilation:
+        trial, by_name = run.forked(), named or bool(loads)  # one note for all loads
+        return compile_plan(data, name, profile, portioned, trial, output, refused, named=by_name)
 
     whole = load_of(options, output_name)
     if not whole.ok or not _too_large(whole) or whole.plan is None or len(whole.plan.cuts) < 2:
@@ -64,13 +64,13 @@ def compile_loads(
     groups = _groups(whole)
     while groups:
         low, high = groups.pop(0)
-        asked = replace(options, portion=Portion(cuts=(first + low, first + high)))
-        load = load_of(asked, numbered(output_name, len(made) + 1))
+        of_load = replace(options, portion=Portion(cuts=(first + low, first + high)))
+        load = load_of(of_load, numbered(output_name, len(loads) + 1))
         if load.ok and _too_large(load) and high > low:
             groups[:0] = [(low, high - 1), (high, high)]  # the sizes are estimates
             continue
-        made.append(load)
-    return tuple(made)
+        loads.append(load)
+    return tuple(loads)
 
 
 def numbered(name: str, number: int) -> str:
@@ -84,8 +84,8 @@ def numbered(name: str, number: int) -> str:
     return f"{folder}{slash}{stem}-{number}{dot}{ending}" if stem else f"{name}-{number}"
 
 
-def _too_large(made: Compilation) -> bool:
-    return any(d.code == "over-memory" for d in made.findings)
+def _too_large(compilation: Compilation) -> bool:
+    return any(d.code == "over-memory" for d in compilation.findings)
 
 
 def _groups(whole: Compilation) -> list[tuple[int, int]]:

@@ -124,9 +124,9 @@ def _compared(compilations: list[Compilation]) -> Several:
         assert other.program is not None
         steppings = first.machine.stepping, other.machine.stepping
         within = _within(first, other)
-        found = difference(first.program, other.program, *steppings, within)
-        apart.append(found.largest_um)
-        if not found.equal:
+        comparison = difference(first.program, other.program, *steppings, within)
+        apart.append(comparison.largest_um)
+        if not comparison.equal:
             wrong.append(
                 error(
                     "conversion-differs",
@@ -135,8 +135,8 @@ def _compared(compilations: list[Compilation]) -> Several:
                     hint="compile the formats one by one",
                     format=other.machine.format,
                     first_format=first.machine.format,
-                    place=Place.of_um(*found.at),
-                    difference=found.what,
+                    place=Place.of_um(*comparison.at),
+                    difference=comparison.what,
                 )
             )
     return Several(tuple(compilations), tuple(apart), tuple(wrong))

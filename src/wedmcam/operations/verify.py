@@ -130,7 +130,7 @@ class _Case:
 
     Attributes:
         data, name: the program.
-        dialect: what is said of an ISO program beside its text.
+        dialect: what the options state of an ISO program beside its text.
         targets: that of the program, and that whose starts the plan has.
         options: how the drawing is cut.
         drawing, drawing_name: what it is compared with; None for nothing.
@@ -191,7 +191,7 @@ def _proof_of(case: _Case) -> Proof:
             _compare(case, known, program, planning, run)
     except Refused as why:
         stage = why.stage
-    errors = has_errors(run.found)
+    errors = has_errors(run.findings)
     machine, understood = case.target.machine, understood_of(known.plan)
     summary = proof_summary(
         run,
@@ -212,7 +212,7 @@ def _proof_of(case: _Case) -> Proof:
         known.plan,
         machine,
         summary,
-        tuple(run.found),
+        tuple(run.findings),
         0 if not errors else 3 if stage in ("verify", "certificate") else 1,
         understood,
     )
@@ -243,12 +243,12 @@ def _plan(case: _Case, known: _Evidence, planning: Run, run: Run) -> tuple[Drawn
     Findings go into both runs; ``planning`` has no others.
     """
     try:
-        drawn, plan = pipeline.planned(
+        drawn, plan = pipeline.plan_source(
             case.drawing or b"", case.drawing_name, case.options, case.targets, planning
         )
         plan = portion(plan, case.target, case.options, planning)
     finally:
-        run.found += planning.found
+        run.findings += planning.findings
     known.drawn, known.plan = drawn, plan
     return drawn, plan
 
@@ -275,13 +275,13 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
         case.here.fit_origin,
         ours,
     )
-    before = len(run.found)
-    program, verdict = proof.placed(program, plan, target, options, placing, run)
+    before = len(run.findings)
+    program, verdict = proof.place_program(program, plan, target, options, placing, run)
     known.program, known.verdict = program, verdict
     if certificate is None:
         return
     now = summary_of(
-        run.found,
+        run.findings,
         target.machine,
         options,
         case.files,
@@ -291,14 +291,14 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
     )
     run.add(
         "certificate",
-        proof.held_to(
+        proof.check_certificate(
             certificate,
             now,
             proof.Proven(program, case.data, drawing, plan, target, options),
-            planning.found,
+            planning.findings,
             known.read,
-            run.found[before:],
-            run.found,
+            run.findings[before:],
+            run.findings,
         ),
     )
 
@@ -310,7 +310,9 @@ def _measure_alone(case: _Case, known: _Evidence, program: Program, run: Run) ->
     run.add("verify", findings)
     run.add("verify", _not_closed(program, case.target, case.options))
     if case.certificate is not None:
-        run.add("certificate", proof.held_to_alone(case.certificate, known.figures, case.data))
+        run.add(
+            "certificate", proof.check_certificate_alone(case.certificate, known.figures, case.data)
+        )
 
 
 def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> Proof:
@@ -374,9 +376,9 @@ def _no_gap(
     """
     cutting = options.cutting
     stated = cutting.offset_um is not None or cutting.side is not None or against == "wed"
-    found = [] if stated else target.unstated(decoded)
-    if against is None or not found:
-        return found
+    findings = [] if stated else target.unstated(decoded)
+    if against is None or not findings:
+        return findings
     hint = "--offset 0.1mm, the gap that is entered at the controller; --side on for none"
     return [error("no-gap", NO_GAP, hint=hint)]
 

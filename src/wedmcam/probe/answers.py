@@ -132,7 +132,7 @@ def read_sheet(text: str, file: str) -> tuple[Readings, list[Diagnostic]]:
     >>> read_sheet("end 0.5 0", "s.txt")[0].stops["end"]
     [Stop(section='', x=500, y=0, alarm=False)]
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     read: dict[str, list[Stop]] = {}
     lines: dict[str, list[int]] = {}
     moved = None
@@ -143,7 +143,7 @@ def read_sheet(text: str, file: str) -> tuple[Readings, list[Diagnostic]]:
         numbers = [t for t in words[1:3] if re.fullmatch(r"[-+]?\d{1,6}(\.\d*)?|[-+]?\.\d+", t)]
         known = words[0] in PARTS or words[0] == "moved"
         if not known or len(numbers) < 2 or words[3:] not in ([], ["alarm"]):
-            found.append(
+            findings.append(
                 error(
                     "probe-reading",
                     "'{line}' is no reading",
@@ -160,7 +160,7 @@ def read_sheet(text: str, file: str) -> tuple[Readings, list[Diagnostic]]:
             continue
         read.setdefault(words[0], []).append(Stop("", round(x), round(y), bool(words[3:])))
         lines.setdefault(words[0], []).append(number)
-    return Readings(read, lines, moved), found
+    return Readings(read, lines, moved), findings
 
 
 def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnostic]]:
@@ -169,7 +169,7 @@ def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnosti
     A reading counts by its way from the one before.
     """
     out: list[Answer] = []
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     fits: dict[str, set[str]] = {}
     for part in [p for p in PARTS if p in readings.stops]:
         read = readings.stops[part]
@@ -184,7 +184,7 @@ def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnosti
             most = max(_agree(stops(part, c), read, partly=True) for c in candidates)
             last = min(most, len(read) - 1)
             x, y = read[last][1:3]
-            found.append(
+            findings.append(
                 error(
                     "probe-reading",
                     "stop {stop} of {program}, at {x_mm:.3f}, {y_mm:.3f}, fits no controller that "
@@ -210,7 +210,7 @@ def answers(readings: Readings, file: str) -> tuple[list[Answer], list[Diagnosti
     for field in MEANS:
         if field in fits and len(fits[field]) < len(MEANS[field]):
             out.append(Answer(field, tuple(v for v in MEANS[field] if v in fits[field])))
-    return out, found
+    return out, findings
 
 
 def _kinds(part: str) -> Iterable[Behaviour]:
@@ -241,7 +241,7 @@ def axes_of(moved: tuple[float, float]) -> Axes | None:
 
     None where that is not two ways, one twice the other.
 
-    >>> axes_of((-2000, 1000)).said, axes_of((5000, 10000)).said
+    >>> axes_of((-2000, 1000)).text, axes_of((5000, 10000)).text
     ('x mirrored', 'x and y exchanged; steps of 5 um')
     """
     x, y = moved

@@ -72,9 +72,9 @@ def behaviours(pauses: bool = True) -> Iterator[Behaviour]:
         yield from (Behaviour(pause="ends"), Behaviour(pause="nothing"))
         return
     for values in product(*_VALUES.values()):
-        made = Behaviour(**dict(zip(_VALUES, values, strict=True)))  # type: ignore[arg-type]
-        if not (made.table == "stated" and made.zeros == "run"):
-            yield made
+        behaviour = Behaviour(**dict(zip(_VALUES, values, strict=True)))  # type: ignore[arg-type]
+        if not (behaviour.table == "stated" and behaviour.zeros == "run"):
+            yield behaviour
 
 
 class Stop(NamedTuple):
@@ -100,7 +100,7 @@ def stops(part: str, controller: Behaviour) -> tuple[Stop, ...]:
     [(500, 500)]
     """
     x = y = 0
-    found: list[Stop] = []
+    out: list[Stop] = []
     name = ""
     for section in PARTS[part]:
         name = section.name
@@ -108,17 +108,17 @@ def stops(part: str, controller: Behaviour) -> tuple[Stop, ...]:
             if isinstance(step, Record):
                 way = _way(step, controller)
                 if way is None:
-                    return (*found, Stop(name, x, y, alarm=True))
+                    return (*out, Stop(name, x, y, alarm=True))
                 x, y = x + way[0], y + way[1]
                 continue
             does = getattr(controller, step)
-            if does != "nothing" and (not found or found[-1] != Stop(name, x, y)):
-                found.append(Stop(name, x, y))
+            if does != "nothing" and (not out or out[-1] != Stop(name, x, y)):
+                out.append(Stop(name, x, y))
             if does == "ends":
-                return tuple(found)
-    if not found or found[-1][1:3] != (x, y):
-        found.append(Stop(name, x, y))  # there is no more program
-    return tuple(found)
+                return tuple(out)
+    if not out or out[-1][1:3] != (x, y):
+        out.append(Stop(name, x, y))  # there is no more program
+    return tuple(out)
 
 
 def _way(record: Record, c: Behaviour) -> tuple[int, int] | None:

@@ -67,23 +67,23 @@ def ways(part: str, controller: Behaviour) -> list[tuple[str, str]]:
     """Return (section, way from the stop before) of every stop; an alarm says so."""
     out, x, y = [], 0, 0
     for s in stops(part, controller):
-        told = way_text((s.x - x, s.y - y)) + (" alarm" if s.alarm else "")
-        out.append((s.section, told))
+        way = way_text((s.x - x, s.y - y)) + (" alarm" if s.alarm else "")
+        out.append((s.section, way))
         x, y = s.x, s.y
     return out
 
 
 def rows(part: str) -> Iterator[tuple[str, str, str, str]]:
     """Yield (stop, way from the stop before, what it means, what to set) of a program."""
-    told = set()
+    fields = set()
     for section in PARTS[part]:
         field = section.field
         if not field:
             yield section.name, dict(ways(part, Behaviour()))[section.name], "see `moved`", ""
         elif field in ("pause", "stop", "end"):
-            if field not in told:
+            if field not in fields:
                 yield from _word_rows(part, section)
-            told.add(field)
+            fields.add(field)
         else:
             by_way: dict[str, list[str]] = {}
             for value in MEANS[field]:

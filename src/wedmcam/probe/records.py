@@ -182,9 +182,9 @@ def text(part: str, machine: Machine) -> bytes:
     layout, words = machine.layout, machine.words
     lines: list[str] = []
     for step in _steps(PARTS[part]):
-        told = step.text(layout) if isinstance(step, Record) else str(getattr(words, step))
+        record = step.text(layout) if isinstance(step, Record) else str(getattr(words, step))
         number = f"N{len(lines) + 1:{layout.number_width}d}{layout.after_number}"
-        lines.append((number if layout.number_width else "") + told)
+        lines.append((number if layout.number_width else "") + record)
     every = [*layout.header, *lines, *layout.footer]
     return "".join(line + layout.eol for line in every).encode(layout.encoding)
 

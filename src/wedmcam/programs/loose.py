@@ -13,7 +13,7 @@ import numpy as np
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.ir.understanding import Understanding
 from wedmcam.machines import Machine
-from wedmcam.programs.places import block_ends, matched
+from wedmcam.programs.places import block_ends, match_blocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +48,11 @@ def loose(
         program: decoded from its bytes.
         machine: both are of this profile.
     """
-    like = matched(lowered, program, machine)
+    like = match_blocks(lowered, program, machine)
     _, ends = block_ends(program, machine)
     cutting = np.flatnonzero((program.blocks["kind"] < Kind.MOVE) & (like >= 0))
     role, cut = (lowered.blocks[name][like[cutting]] for name in ("role", "cut"))
-    found = []
+    out = []
     for row in known.rows:
         own = cutting[(cut == row.number) & (role == Role.CONTOUR)]
         if row.frees is None or not len(own):
@@ -61,5 +61,5 @@ def loose(
         x, y = (float(v) for v in ends[last])
         x0, y0, x1, y1 = row.extents
         along = row.lead_um + row.length_um
-        found.append(Loose(row.number, row.frees, last + 1, (x, y), along, (x1 - x0, y1 - y0)))
-    return tuple(found)
+        out.append(Loose(row.number, row.frees, last + 1, (x, y), along, (x1 - x0, y1 - y0)))
+    return tuple(out)

@@ -34,7 +34,7 @@ def block_ends(program: Program, machine: Machine) -> tuple[Ints, Ints]:
     return in_um(starts, program.step_um), in_um(ends, program.step_um)
 
 
-def matched(lowered: Program, program: Program, machine: Machine) -> Ints:
+def match_blocks(lowered: Program, program: Program, machine: Machine) -> Ints:
     """Return the lowered block of each block of the file; -1 for control records."""
     low = np.flatnonzero(lowered.blocks["kind"] <= Kind.MOVE)
     here = np.flatnonzero(program.blocks["kind"] <= Kind.MOVE)
@@ -46,12 +46,12 @@ def matched(lowered: Program, program: Program, machine: Machine) -> Ints:
     out[here] = (
         low
         if same
-        else low[_nearest(_drawn(lowered, machine, low), _drawn(program, machine, here))]
+        else low[_nearest(_rows_of(lowered, machine, low), _rows_of(program, machine, here))]
     )
     return out
 
 
-def _drawn(program: Program, machine: Machine, rows: Ints) -> seg.Segments:
+def _rows_of(program: Program, machine: Machine, rows: Ints) -> seg.Segments:
     """Return the stepped blocks as segments, drawing um."""
     starts, ends = (p[rows].astype(float) for p in block_ends(program, machine))
     b = program.blocks[rows]

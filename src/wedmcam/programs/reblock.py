@@ -66,10 +66,10 @@ def carry(
     """
     blocks = program.blocks
     motion = stepping.run(blocks)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     endless = np.flatnonzero(motion.steps < 0)
     for i in endless[:1].tolist():
-        found.append(
+        findings.append(
             error(
                 "endless-block",
                 "block {block} never ends on its own controller: it is no path to carry over",
@@ -77,15 +77,15 @@ def carry(
                 block=i + 1,
             )
         )
-    if found:
-        return None, found
+    if findings:
+        return None, findings
     kind = blocks["kind"].astype(np.int64)
     moving = kind <= Kind.MOVE
     kept = ~moving | (motion.steps > 0)
     words = dict(program.words)
     lost = np.array([i for i, word in words.items() if not rules.keeps(word)], dtype=np.int64)
     if len(lost):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "control words that have no place in the other format, left out: {words}",
@@ -102,7 +102,7 @@ def carry(
     after = np.arange(len(blocks)) > (stops[0] if len(stops) else len(blocks))
     late = np.flatnonzero(after & moving & kept)
     if len(late):
-        found.append(
+        findings.append(
             warning(
                 "not-carried",
                 "{blocks} blocks behind the end of cutting are no part of the path; left out",
@@ -112,17 +112,19 @@ def carry(
         )
         kept[late] = False
     parts = _parts(blocks, motion, kept, rules, stepping)
-    made = np.zeros(len(parts.source), BLOCK)
+    out = np.zeros(len(parts.source), BLOCK)
     for name in ("kind", "turn", "axis", "x", "y", "count", "source"):
-        made[name] = getattr(parts, name)
-    made["cut"], made["role"] = blocks["cut"][parts.source], blocks["role"][parts.source]
+        out[name] = getattr(parts, name)
+    out["cut"], out["role"] = blocks["cut"][parts.source], blocks["role"][parts.source]
     if rules.pairs:
-        made = _never_alone(made, rules.stepping)
-    told = tuple((k, words[int(s)]) for k, s in enumerate(made["source"]) if int(s) in words)
+        out = _never_alone(out, rules.stepping)
+    carried_words = tuple(
+        (k, words[int(s)]) for k, s in enumerate(out["source"]) if int(s) in words
+    )
     sources = tuple(program.spans)
     if len(sources) != len(blocks):
-        made["source"], sources = -1, ()
-    return replace(program, blocks=made, sources=sources, spans=(), words=told), found
+        out["source"], sources = -1, ()
+    return replace(program, blocks=out, sources=sources, spans=(), words=carried_words), findings
 
 
 def _span(program: Program, i: int) -> Span | None:
@@ -149,8 +151,8 @@ def _parts(
     kind = blocks["kind"].astype(np.int64)
     arc = kind == Kind.ARC
     straight = (kind == Kind.LINE) | (kind == Kind.MOVE)
-    # In how many pieces: a line by its longer side, an arc by its steps, or by whole turns, after
-    # each of which it stands where it started.
+    # In how many pieces: a line by its longer side, an arc by its steps, or by whole turns,
+    # which end where they start.
     longest = np.maximum(abs(motion.dx), abs(motion.dy))
     pieces = np.where(kept, 1, 0)
     most = min(rules.line_um, rules.count_um)
@@ -236,7 +238,7 @@ def _with_arcs(
     keep = np.ones(len(out.kind), dtype=bool)
     keep[rows[short][gone]] = False
     keep = np.insert(keep, at, (rest_x != 0) | (rest_y != 0))
-    made = _Parts(
+    parts = _Parts(
         kind=insert(out.kind, int(Kind.LINE)),
         turn=insert(out.turn, 0),
         axis=insert(out.axis, axis),
@@ -246,26 +248,26 @@ def _with_arcs(
         source=insert(out.source, out.source[rows[short]]),
     )
     for name in _Parts.__slots__:
-        setattr(made, name, getattr(made, name)[keep])
-    return made
+        setattr(parts, name, getattr(parts, name)[keep])
+    return parts
 
 
-def _never_alone(made: Blocks, stepping: Stepping) -> Blocks:
+def _never_alone(blocks: Blocks, stepping: Stepping) -> Blocks:
     """Write a single line between two pauses as two: alone it would be read as a move."""
-    kind = made["kind"]
+    kind = blocks["kind"]
     quiet = (kind == Kind.PAUSE) | (kind == Kind.THREAD)
-    alone = np.zeros(len(made), dtype=bool)
+    alone = np.zeros(len(blocks), dtype=bool)
     alone[1:-1] = (kind[1:-1] == Kind.LINE) & quiet[:-2] & quiet[2:]
-    alone &= np.maximum(abs(made["x"]), abs(made["y"])) > 1
+    alone &= np.maximum(abs(blocks["x"]), abs(blocks["y"])) > 1
     if not alone.any():
-        return made
+        return blocks
     at = np.flatnonzero(alone)
-    both = np.insert(made, at + 1, made[at])
+    both = np.insert(blocks, at + 1, blocks[at])
     first = at + np.arange(len(at))
     for name in ("x", "y"):
-        half = made[name][at] // 2
+        half = blocks[name][at] // 2
         both[name][first] = half
-        both[name][first + 1] = made[name][at] - half
+        both[name][first + 1] = blocks[name][at] - half
     rows = np.concatenate([first, first + 1])
     both["axis"][rows], both["count"][rows] = stepping.line_count(both["x"][rows], both["y"][rows])
     return both

@@ -70,19 +70,19 @@ def beside(kinds: NDArray[np.uint8], runs: list[Stretch]) -> list[int]:
         kinds: of all blocks.
         runs: what `stretches` told of them.
     """
-    made, first = set(), 0
+    numbers, first = set(), 0
     for one in runs:
         parts = np.concatenate([one.lead_in, one.path, one.overcut, one.lead_out])
         start, end = int(parts.min()), int(parts.max())
-        made |= set(range(start, end + 1))
+        numbers |= set(range(start, end + 1))
         between = np.arange(first, start)
         moves = between[kinds[between] == Kind.MOVE]
         if len(moves):
-            made |= {int(moves[0]) - 1, int(moves[-1]) + 1}
+            numbers |= {int(moves[0]) - 1, int(moves[-1]) + 1}
         elif first:
-            made.add(start - 1)  # a move of length 0
+            numbers.add(start - 1)  # a move of length 0
         first = end + 1
-    return [int(i) for i in np.flatnonzero(kinds == Kind.PAUSE) if int(i) not in made]
+    return [int(i) for i in np.flatnonzero(kinds == Kind.PAUSE) if int(i) not in numbers]
 
 
 def _stretch(blocks: Blocks, rows: Ints, starts: Ints, ends: Ints) -> Stretch:

@@ -1,4 +1,4 @@
-"""One block told at length: its record, what it draws, why it is counted so, its first steps."""
+"""One block at length: its record, what it draws, why it is counted so, its first steps."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
     words = dict(program.words)
     yield f"block {number} of {len(program.blocks)}, read for {machine.name} ({machine.title})"
     yield f"record     {_record(program, row, data)}"
-    if machine.axes.said:
-        yield f"axes       {machine.axes.said}; what follows is told as the drawing has it"
+    if machine.axes.text:
+        yield f"axes       {machine.axes.text}; what follows is in the axes of the drawing"
     starts, ends = block_ends(program, machine)
     start, end = (p[row].tolist() for p in (starts, ends))
     if kind > Kind.MOVE:

@@ -22,7 +22,7 @@ from wedmcam.reports.picture.refused import plot_refused
 from wedmcam.reports.picture.sheet import Caption
 
 
-def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
+def plot(result: Compilation | Proof | Inspection, title: str = "") -> str:
     """Return an SVG picture: of the verified program where there is one, else of what was read.
 
     A drawing that is refused is drawn with the places of its findings numbered.
@@ -30,11 +30,11 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
     Raises:
         WrongUse: nothing was read that could be drawn.
     """
-    marks = [d for d in made.findings if d.points_mm and d.severity is not Severity.NOTE]
-    if isinstance(made, Inspection) or made.program is None:
-        drawn = None if isinstance(made, Proof) else made.drawn
-        if drawn is None or has_errors(made.findings):
-            refused = None if isinstance(made, Proof) else _refused_picture(made, title)
+    marks = [d for d in result.findings if d.points_mm and d.severity is not Severity.NOTE]
+    if isinstance(result, Inspection) or result.program is None:
+        drawn = None if isinstance(result, Proof) else result.drawn
+        if drawn is None or has_errors(result.findings):
+            refused = None if isinstance(result, Proof) else _refused_picture(result, title)
             if refused is None:
                 raise WrongUse("nothing that could be drawn was read")
             return refused
@@ -44,24 +44,24 @@ def plot(made: Compilation | Proof | Inspection, title: str = "") -> str:
             title=title,
             marks=marks,
         )
-    starts, ends = block_ends(made.program, made.machine)
+    starts, ends = block_ends(result.program, result.machine)
     return plot_program(
-        _with_cuts(made.program, made.verdict),
+        _with_cuts(result.program, result.verdict),
         starts,
         ends,
-        plan=made.plan,
-        known=made.understood,
-        caption=Caption(title, _plot_facts(made)),
+        plan=result.plan,
+        known=result.understood,
+        caption=Caption(title, _plot_facts(result)),
         marks=marks,
     )
 
 
-def plot_html(made: Compilation | Proof | Inspection, title: str = "") -> str:
+def plot_html(result: Compilation | Proof | Inspection, title: str = "") -> str:
     """Return a page with the picture of `plot` and a table of the blocks, to click in."""
-    said = "\n".join(render(d, title) for d in merged(made.findings))
-    program = None if isinstance(made, Inspection) else made.program
-    if isinstance(made, Inspection) or program is None:
-        return page(plot(made, title), title=title, said=said)
+    report = "\n".join(render(d, title) for d in merged(result.findings))
+    program = None if isinstance(result, Inspection) else result.program
+    if isinstance(result, Inspection) or program is None:
+        return page(plot(result, title), title=title, report=report)
     rows = [
         (
             str(row.number),
@@ -71,11 +71,11 @@ def plot_html(made: Compilation | Proof | Inspection, title: str = "") -> str:
             f"{row.end[0] / 1000 + 0.0:.3f}",
             f"{row.end[1] / 1000 + 0.0:.3f}",
         )
-        for row in dump(program, made.machine)
+        for row in dump(program, result.machine)
     ]
     head = ("block", "at", "what", "J", "end x", "end y")
-    known = made.understood if not isinstance(made, Inspection) else None
-    return page(plot(made, title), title=title, head=head, rows=rows, said=said, known=known)
+    known = result.understood if not isinstance(result, Inspection) else None
+    return page(plot(result, title), title=title, head=head, rows=rows, report=report, known=known)
 
 
 def path_drawing(program: Program, machine: Machine) -> bytes:
@@ -83,14 +83,14 @@ def path_drawing(program: Program, machine: Machine) -> bytes:
     return encode(program, machine)
 
 
-def _refused_picture(made: Compilation | Inspection, title: str) -> str | None:
+def _refused_picture(result: Compilation | Inspection, title: str) -> str | None:
     """Return a picture of what was read of a source that is refused; None where nothing was."""
-    seen = None if made.seen is None else made.seen.whole()
-    if seen is None and made.drawn is not None and len(made.drawn.contours):
-        seen = Seen(rows_of(made.drawn.contours), made.drawn.sketch)
+    seen = None if result.seen is None else result.seen.whole()
+    if seen is None and result.drawn is not None and len(result.drawn.contours):
+        seen = Seen(rows_of(result.drawn.contours), result.drawn.sketch)
     if seen is None:
         return None
-    marks = [d for d in made.findings if d.severity is not Severity.NOTE]
+    marks = [d for d in result.findings if d.severity is not Severity.NOTE]
     facts = {"units": seen.units} if seen.units else {}
     return plot_refused(
         seen.rows,
@@ -102,19 +102,19 @@ def _refused_picture(made: Compilation | Inspection, title: str) -> str | None:
     )
 
 
-def _placed(found: Diagnostic, seen: Seen) -> Diagnostic:
+def _placed(finding: Diagnostic, seen: Seen) -> Diagnostic:
     """Return a finding with the place of the entity that it is about, where it has none."""
-    if found.points_mm or not isinstance(found.span, EntityRef):
-        return found
+    if finding.points_mm or not isinstance(finding.span, EntityRef):
+        return finding
     sources = seen.sketch.sources
-    at = sources.index(found.span) if found.span in sources else -1
+    at = sources.index(finding.span) if finding.span in sources else -1
     rows = seen.rows[seen.rows["source"] == at] if at >= 0 else seen.rows[:0]
     if not len(rows):
-        return found
+        return finding
     row = rows[0]
     ring = row["turn"] != 0 and row["x0"] == row["x1"] and row["y0"] == row["y1"]
     x, y = ((row[f"{c}0"] + (0 if ring else row[f"{c}1"])) / (1000 if ring else 2000) for c in "xy")
-    return replace(found, points_mm=((float(x), float(y)),))
+    return replace(finding, points_mm=((float(x), float(y)),))
 
 
 def _with_cuts(program: Program, verdict: Verdict | None) -> Program:
@@ -128,19 +128,19 @@ def _with_cuts(program: Program, verdict: Verdict | None) -> Program:
     return replace(program, blocks=blocks)
 
 
-def _plot_facts(made: Compilation | Proof) -> dict[str, str]:
-    facts = {"profile": made.machine.name}
-    if made.understood is not None:
-        facts["cuts"] = made.understood.counts
-    v = made.verdict
+def _plot_facts(result: Compilation | Proof) -> dict[str, str]:
+    facts = {"profile": result.machine.name}
+    if result.understood is not None:
+        facts["cuts"] = result.understood.counts
+    v = result.verdict
     if v is not None:
-        assert made.plan is not None
-        facts |= {"side": v.side, "offset": made.plan.offsets_text}
+        assert result.plan is not None
+        facts |= {"side": v.side, "offset": result.plan.offsets_text}
         facts |= {"blocks": str(v.blocks), "steps": str(v.steps)}
         facts["deviation"] = f"{v.max_deviation_um:.2f} um"
         if v.closure_um is not None:
             facts["closure"] = f"{v.closure_um:.0f} um"
         if v.gouge_um is not None:
             facts["gouge"] = f"{v.gouge_um:.2f} um"
-        facts["proof"] = "passed" if made.ok else "FAILED"
+        facts["proof"] = "passed" if result.ok else "FAILED"
     return facts

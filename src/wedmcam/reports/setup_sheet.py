@@ -38,7 +38,7 @@ class Picture:
 
 
 def sheet(
-    made: Compilation,
+    compilation: Compilation,
     name: str,
     feed_um: float | None = None,
     *,
@@ -49,7 +49,7 @@ def sheet(
     """Return the sheet as (heading, text or table or picture) pairs.
 
     Args:
-        made: a compile that is ok.
+        compilation: one that is ok.
         name: of the program.
         feed_um: cutting speed, um a minute; None for no times.
         wire_um: diameter of the wire; None where only an offset was stated.
@@ -58,12 +58,14 @@ def sheet(
     """
     from wedmcam.reports.plot import plot
 
-    assert made.program is not None
-    assert made.understood is not None
-    known, zero = made.understood, made.program.origin_um
+    assert compilation.program is not None
+    assert compilation.understood is not None
+    known, zero = compilation.understood, compilation.program.origin_um
     facts = [
         ("program", visible(name)),
-        *_facts(made, feed_um, _wire(wire_um, gap_um, made.options.cutting.clearance_um)),
+        *_facts(
+            compilation, feed_um, _wire(wire_um, gap_um, compilation.options.cutting.clearance_um)
+        ),
     ]
     return [
         ("Setup sheet", (("what", "value"), facts)),
@@ -77,39 +79,45 @@ def sheet(
             "Start holes",
             (("hole", "x in the drawing", "y in the drawing", "x from zero", "y from zero",
               "blocks", "offset mm", "path with leads mm", "time", "placed by"),
-             _holes(made, zero, feed_um)),
+             _holes(compilation, zero, feed_um)),
         ),
         ("Who placed them", ". ".join(known.threads) + "."),
         ("Contours", (HEADINGS, [(f"{r.number} ({r.thread.name})", *r.cells[1:])
                                  for r in known.rows])),
-        ("What comes loose", _loose(made, zero)),
+        ("What comes loose", _loose(compilation, zero)),
         (
             "Where the machine stops",
-            (("block", "in the drawing mm", "what to do", "from zero mm"), _stops(made, zero)),
+            (("block", "in the drawing mm", "what to do", "from zero mm"),
+             _stops(compilation, zero)),
         ),
-        ("Picture", Picture(plot(made, name), picture)),
+        ("Picture", Picture(plot(compilation, name), picture)),
     ]  # fmt: skip
 
 
-def _facts(made: Compilation, feed_um: float | None, wire: str) -> list[tuple[str, str]]:
+def _facts(compilation: Compilation, feed_um: float | None, wire: str) -> list[tuple[str, str]]:
     """Return what the sheet says of the whole program; ``wire`` says how wide it cuts."""
-    assert made.program is not None
-    assert made.verdict is not None
-    assert made.plan is not None
-    assert made.understood is not None
-    v, m, known, zero = made.verdict, made.machine, made.understood, made.program.origin_um
-    entered = made.entries.lines() if made.entries else []
+    assert compilation.program is not None
+    assert compilation.verdict is not None
+    assert compilation.plan is not None
+    assert compilation.understood is not None
+    v, m, known, zero = (
+        compilation.verdict,
+        compilation.machine,
+        compilation.understood,
+        compilation.program.origin_um,
+    )
+    entered = compilation.entries.lines() if compilation.entries else []
     ways = Counter(row.direction for row in known.rows)
     return [
-        ("made of", visible(str(made.summary["input"]))),
+        ("made of", visible(str(compilation.summary["input"]))),
         ("controller", visible(f"{m.title} ({m.name})")),
         ("cuts", known.counts),
         ("axes", _axes(m)),
-        ("program's SHA-256", made.summary["sha256"]["output"]),
+        ("program's SHA-256", compilation.summary["sha256"]["output"]),
         ("blocks, steps", f"{v.blocks}, {v.steps}"),
         ("wire path", f"{v.path_mm:.3f} mm" + _time(v.path_mm, feed_um)),
         ("wire, gap", wire),
-        ("offset, side", f"{made.plan.offsets_text}, {v.side}"),
+        ("offset, side", f"{compilation.plan.offsets_text}, {v.side}"),
         *((f"offset {d}, to be entered", um) for d, um in entered),
         ("direction", ", ".join(f"{n} {way}" for way, n in ways.items())),
         ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm in the drawing".format(
@@ -123,14 +131,14 @@ def _facts(made: Compilation, feed_um: float | None, wire: str) -> list[tuple[st
 
 
 def _holes(
-    made: Compilation, zero: tuple[float, float], feed_um: float | None
+    compilation: Compilation, zero: tuple[float, float], feed_um: float | None
 ) -> list[tuple[str, ...]]:
     """Return a row for each start hole."""
-    assert made.verdict is not None
-    assert made.understood is not None
+    assert compilation.verdict is not None
+    assert compilation.understood is not None
     holes: list[tuple[str, ...]] = []
-    for cut, row in zip(made.verdict.cuts, made.understood.rows, strict=True):
-        tx, ty = _start(made, cut.first_block - 1)
+    for cut, row in zip(compilation.verdict.cuts, compilation.understood.rows, strict=True):
+        tx, ty = _start(compilation, cut.first_block - 1)
         holes.append(
             (row.thread.name,
              *(f"{c / 1000 + 0.0:.3f}" for c in (tx, ty, tx - zero[0], ty - zero[1])),
@@ -151,14 +159,16 @@ def _wire(wire_um: float | None, gap_um: float | None, clearance_um: float) -> s
     )
 
 
-def _loose(made: Compilation, zero: tuple[float, float]) -> Table | str:
+def _loose(compilation: Compilation, zero: tuple[float, float]) -> Table | str:
     """Return which cut frees what, and where the wire is then."""
-    assert made.understood is not None
-    assert made.program is not None
-    assert made.lowered is not None
+    assert compilation.understood is not None
+    assert compilation.program is not None
+    assert compilation.lowered is not None
     rows: list[tuple[str, ...]] = []
-    for one in loose(made.understood, made.lowered, made.program, made.machine):
-        contour = made.understood.rows[one.number - 1]
+    for one in loose(
+        compilation.understood, compilation.lowered, compilation.program, compilation.machine
+    ):
+        contour = compilation.understood.rows[one.number - 1]
         what = f"the {one.what} of contour {one.number} ({contour.role_text}, {contour.size_text})"
         stop = f"{contour.stop_um / 1000:.3f} mm before"
         wait = f"; the machine waits {stop}" if contour.stop_um else "; the machine does not wait"
@@ -172,7 +182,7 @@ def _loose(made: Compilation, zero: tuple[float, float]) -> Table | str:
 def _axes(machine: Machine) -> str:
     """Return how the drawing lies on the machine: which way its axes run there."""
     a = machine.axes
-    if not a.said:
+    if not a.text:
         return "as in the drawing"
     step = f"steps of {a.step_um:g} um" if a.step_um != 1 else ""
     if a.plain:
@@ -189,24 +199,24 @@ def _time(path_mm: float, feed_um: float | None) -> str:
     return "" if feed_um is None else f" ({1000 * path_mm / feed_um:.1f} min)"
 
 
-def _ends(made: Compilation) -> Any:
-    assert made.program is not None
-    return block_ends(made.program, made.machine)[1]
+def _ends(compilation: Compilation) -> Any:
+    assert compilation.program is not None
+    return block_ends(compilation.program, compilation.machine)[1]
 
 
-def _start(made: Compilation, row: int) -> tuple[float, float]:
-    assert made.program is not None
+def _start(compilation: Compilation, row: int) -> tuple[float, float]:
+    assert compilation.program is not None
     if row == 0:
-        return made.program.origin_um
-    x, y = _ends(made)[row - 1]
+        return compilation.program.origin_um
+    x, y = _ends(compilation)[row - 1]
     return float(x), float(y)
 
 
-def _stops(made: Compilation, zero: tuple[float, float]) -> list[tuple[str, ...]]:
+def _stops(compilation: Compilation, zero: tuple[float, float]) -> list[tuple[str, ...]]:
     """Return what to do at every record at which the machine waits."""
-    assert made.program is not None
-    kinds = made.program.blocks["kind"]
-    ends = _ends(made)
+    assert compilation.program is not None
+    kinds = compilation.program.blocks["kind"]
+    ends = _ends(compilation)
 
     def stop(when: str, at: Any, what: str) -> tuple[str, ...]:
         return (when, place(at), what, place((at[0] - zero[0], at[1] - zero[1])))
@@ -290,18 +300,18 @@ def html(parts: list[tuple[str, Any]]) -> str:
     return "\n".join(out) + "\n"
 
 
-def written(
-    made: Compilation, name: str, file: str, feed_um: float | None = None, **more: Any
+def write_sheet(
+    compilation: Compilation, name: str, file: str, feed_um: float | None = None, **more: Any
 ) -> bytes:
     """Return the sheet in the form that its file's name tells: .html, .txt, else Markdown.
 
     ``more``: as of `sheet`.
     """
-    parts = sheet(made, name, feed_um, **more)
+    parts = sheet(compilation, name, feed_um, **more)
     ending = file.lower().rpartition(".")[2]
     if ending in ("html", "htm"):
         return html(parts).encode("utf-8")
     return markdown(parts, inline=ending != "txt").encode("utf-8")
 
 
-__all__ = ["Picture", "html", "markdown", "sheet", "written"]
+__all__ = ["Picture", "html", "markdown", "sheet", "write_sheet"]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wedmcam.diag import EntityRef, Span, TextSpan
 from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.machines import Machine
-from wedmcam.programs.places import block_ends, matched
+from wedmcam.programs.places import block_ends, match_blocks
 from wedmcam.programs.rows import where_of
 
 Ints = NDArray[np.int64]
@@ -38,10 +38,10 @@ def source_map(
         summary: the certificate: names and fingerprints of input and output.
     """
     starts, ends = block_ends(program, machine)
-    like = matched(lowered, program, machine)
+    like = match_blocks(lowered, program, machine)
     source = _lent(lowered)
     words = dict(program.words)
-    said = [span_data(s) for s in lowered.sources]
+    spans = [span_data(s) for s in lowered.sources]
     rows = []
     b, low = program.blocks, lowered.blocks
     for i in range(len(b)):
@@ -61,7 +61,7 @@ def source_map(
         elif kind < Kind.MOVE:
             row["role"] = Role(low["role"][j]).name.lower().replace("_", "-")
             row["cut"] = int(low["cut"][j])
-            row["source"] = said[source[j]] if source[j] >= 0 else None
+            row["source"] = spans[source[j]] if source[j] >= 0 else None
         rows.append(row)
     return {
         "map": VERSION,

@@ -51,7 +51,7 @@ def sketch_text(sketch: Sketch) -> str:
         centre = f" about {_place(cx, cy)}" if turn else ""
         lines.append(
             f"  {k:4} {_TURN[turn]:4} {_place(x0, y0)} to {_place(x1, y1)}{centre}"
-            + _drawn(sketch.sources, source)
+            + _source(sketch.sources, source)
         )
     return _text(lines)
 
@@ -106,7 +106,7 @@ def program_text(program: Program, stepping: Stepping) -> str:
 def _vertices(contour: Contour) -> Iterator[str]:
     for x, y, cx, cy, turn, source in contour.vertices.tolist():
         centre = f" about {_place(cx, cy)}" if turn else ""
-        yield f"    {_TURN[turn]:4} from {_place(x, y)}{centre}" + _drawn(contour.sources, source)
+        yield f"    {_TURN[turn]:4} from {_place(x, y)}{centre}" + _source(contour.sources, source)
 
 
 def _kind(contour: Contour) -> str:
@@ -114,7 +114,7 @@ def _kind(contour: Contour) -> str:
     return f"{'closed' if contour.closed else 'open'}, {many} segment{'s' if many != 1 else ''}"
 
 
-def _drawn(sources: Sequence[Span], source: int) -> str:
+def _source(sources: Sequence[Span], source: int) -> str:
     return f"  [{sources[source]}]" if 0 <= source < len(sources) else ""
 
 

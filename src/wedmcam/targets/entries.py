@@ -35,7 +35,7 @@ class Entries:
         letter: of those numbers, ``D`` or ``H``.
         diameter: an entry is twice the offset.
         every_um: the offset of all D numbers where ``d`` is empty; None where none is stated.
-        dialect: what is said of a foreign ISO program; None where its machine is known.
+        dialect: how a foreign ISO program is read; None where its machine is known.
     """
 
     copies: int = 0

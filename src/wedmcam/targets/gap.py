@@ -23,7 +23,7 @@ from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import Program
 
 #: A joint may tear by this much when its segments are offset, um.
-TANGENT_GAP_UM = 1.0
+TORN_JOINT_UM = 1.0
 #: Joints that are listed one by one.
 LISTED_CORNERS = 10
 
@@ -31,7 +31,7 @@ LISTED_CORNERS = 10
 def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
     """Return an error for each joint of a cut outline that is not tangent.
 
-    A joint at an angle a tears by offset times a; up to `TANGENT_GAP_UM` is taken for tangent.
+    A joint at an angle a tears by offset times a; up to `TORN_JOINT_UM` is taken for tangent.
     """
     findings: list[Diagnostic] = []
     more = 0
@@ -46,7 +46,7 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
         angle = np.abs(np.arctan2(ex * by - ey * bx, ex * bx + ey * by))
         if not c.closed:
             angle = angle[:-1]
-        for k in np.flatnonzero(angle * cut.offset_um > TANGENT_GAP_UM).tolist():
+        for k in np.flatnonzero(angle * cut.offset_um > TORN_JOINT_UM).tolist():
             if len(findings) >= LISTED_CORNERS:
                 more += 1
                 continue

@@ -60,26 +60,28 @@ def arc_growth(
     motion = machine.stepping.run(blocks)
     ends = np.column_stack([np.cumsum(motion.dx), np.cumsum(motion.dy)])
     starts = ends - np.column_stack([motion.dx, motion.dy])
-    rings, found = [], []
+    rings, findings = [], []
     for one in stretches(blocks, starts, ends):
         ring, problem = _ring(program, one, starts, ends)
         rings += [] if ring is None else [ring]
-        found += [] if problem is None else [problem]
+        findings += [] if problem is None else [problem]
     contours = [ring.contour for ring in rings]
-    found += [d.with_hint(CURE) for d in contour_meetings(contours) if d.severity is Severity.ERROR]
-    if found:
-        return None, found
+    findings += [
+        d.with_hint(CURE) for d in contour_meetings(contours) if d.severity is Severity.ERROR
+    ]
+    if findings:
+        return None, findings
     nesting = nest(contours)
     sense = np.ones(len(blocks), np.int8)
     for k, ring in enumerate(rings):
         parent = nesting.parents[k]
         if parent >= 0:
-            found += _too_near(program, ring, rings[parent], gap_um, starts)
+            findings += _too_near(program, ring, rings[parent], gap_um, starts)
         counter_clockwise = measure.area(ring.contour.vertices) > 0
         kept_inside = outwards == (nesting.depths[k] % 2 == 0)
         turn = blocks["turn"][ring.arcs]
         sense[ring.arcs] = turn * (1 if counter_clockwise else -1) * (1 if kept_inside else -1)
-    return (None if found else sense), found
+    return (None if findings else sense), findings
 
 
 def _ring(

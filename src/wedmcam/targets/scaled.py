@@ -83,21 +83,21 @@ class Scaled(Stated):
         sharp: bool = False,
     ) -> tuple[bytes | None, Sequence[Diagnostic]]:
         """See `Target`."""
-        found = gap.corners(plan, self.instead)
-        if has_errors(found):
-            return None, found
+        findings = gap.corners(plan, self.instead)
+        if has_errors(findings):
+            return None, findings
         grows = gap.arc_growth(plan, program)
         data, more = self._encoded(program, grown=grows, **_stated(entries))
         if data and not has_errors(more):
             more = [*more, *self._torn(data, plan, entries)]
-        return data, [*found, *more]
+        return data, [*findings, *more]
 
     def _torn(self, data: bytes, plan: Plan, entries: Entries) -> list[Diagnostic]:
         """Return errors where the written outline is not tangent enough for the controller.
 
         Exact joints are (`gap.corners`); rounded to the grid, blocks of a few um are not.
         """
-        _, found = self.read(data, "program", entries)
+        _, findings = self.read(data, "program", entries)
         x, y = plan.cuts[0].thread
         return [
             replace(d, span=None)
@@ -106,7 +106,7 @@ class Scaled(Stated):
                 program_start=Place.of_um(x, y),
             )
             .with_hint("another --corner or gap, or --to {instead}", instead=self.instead)
-            for d in found
+            for d in findings
             if d.severity is Severity.ERROR
         ]
 
@@ -132,8 +132,8 @@ class Scaled(Stated):
         """See `Target`."""
         from wedmcam.frontends import senses
 
-        found: NDArray[np.int64] = senses(data, self.machine)
-        return found
+        result: NDArray[np.int64] = senses(data, self.machine)
+        return result
 
     def write_carried(
         self,
@@ -149,9 +149,9 @@ class Scaled(Stated):
             return self._encoded(program, grown=np.where(of == 0, 1, of), **stated)
         from wedmcam.targets.outline_side import arc_growth
 
-        said: list[Diagnostic] = []
+        notes: list[Diagnostic] = []
         if entries.gap_um is None and _has_arcs(program):
-            said = [
+            notes = [
                 note(
                     "no-gap",
                     "no gap is given: the program states the path of the wire as its outline",
@@ -159,16 +159,16 @@ class Scaled(Stated):
                 )
             ]
         stated = _stated(entries)
-        grows, found = arc_growth(program, self.machine, stated["gap_um"], entries.outwards)
+        grows, findings = arc_growth(program, self.machine, stated["gap_um"], entries.outwards)
         if grows is not None:
             stated["grown"] = grows
-            said += found
+            notes += findings
         elif entries.gap_um:
-            return None, found
+            return None, findings
         else:  # with a gap of 0 the path is right all the same
-            said += [replace(d, severity=Severity.WARNING) for d in found]
+            notes += [replace(d, severity=Severity.WARNING) for d in findings]
         data, more = self._encoded(program, **stated)
-        return data, [*said, *more]
+        return data, [*notes, *more]
 
 
 class B4(Scaled):
@@ -185,7 +185,7 @@ class Compensation(Scaled, Memory):
 
     @property
     def block_bytes(self) -> tuple[int, int]:
-        """See `formats.gap`."""
+        """See `formats.compensation`."""
         from wedmcam.formats import compact
         from wedmcam.formats import compensation as rows
 

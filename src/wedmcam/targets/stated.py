@@ -202,8 +202,8 @@ class Stated:
         feed_um: float | None = None,
     ) -> tuple[bytes | None, list[Diagnostic]]:
         """See `Target`."""
-        data, found = self._encoded(program)
-        return data, list(found)
+        data, findings = self._encoded(program)
+        return data, list(findings)
 
     def _encoded(self, program: Program, **stated: Any) -> tuple[bytes, list[Diagnostic]]:
         from wedmcam.backends import encoder
@@ -264,8 +264,8 @@ class Iso(Stated):
         feed_um: float | None = None,
     ) -> tuple[bytes | None, list[Diagnostic]]:
         """See `Target`."""
-        data, found = self._encoded(program, feed_um=feed_um)
-        return data, list(found)
+        data, findings = self._encoded(program, feed_um=feed_um)
+        return data, list(findings)
 
     @property
     def stop_word(self) -> str:

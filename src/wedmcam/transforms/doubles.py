@@ -138,7 +138,7 @@ def drop_copies(rows: Rows, sources: tuple[Span, ...]) -> tuple[Rows, int, tuple
     first = ahead[gone[np.lexsort((ahead["y0"][gone], ahead["x0"][gone]))[0]]]
     at = Place.of_um(first["x0"], first["y0"])
     slits = _slits(rows, gone, original)
-    found = note(
+    finding = note(
         "duplicate",
         "1 segment is drawn twice (within {within_mm:.3f} mm); the copies are left out, the first "
         "at {first}"
@@ -151,7 +151,7 @@ def drop_copies(rows: Rows, sources: tuple[Span, ...]) -> tuple[Rows, int, tuple
         within_mm=COPY_UM / 1e3,
         first=at,
     )
-    return rows[keep], len(gone), (found, *_slit_findings(ahead, slits, sources))
+    return rows[keep], len(gone), (finding, *_slit_findings(ahead, slits, sources))
 
 
 def _slits(rows: Rows, gone: NDArray[np.int64], original: dict[int, int]) -> list[int]:

@@ -171,9 +171,9 @@ def _frame(
         frame = frame.extended(
             ", which has others inside"
             if inside == 1
-            else ", one of which has others inside"
+            else "; one of them has others inside"
             if len(parts) == 1
-            else ", {parts} of which have others inside",
+            else "; {parts} of them have others inside",
             parts=len(parts),
         )
     else:

@@ -16,9 +16,9 @@ CODES = frozenset(
 )
 
 
-def with_linetypes(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+def with_linetypes(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Return findings whose hints say how to leave line types out that they are about."""
-    return tuple(_with_linetype(d) for d in found)
+    return tuple(_with_linetype(d) for d in findings)
 
 
 def _with_linetype(d: Diagnostic) -> Diagnostic:

@@ -166,9 +166,9 @@ def _gaps_closed(
     rows: Rows, sources: tuple[Span, ...], px: Floats, py: Floats, gaps: list[_Gap]
 ) -> Diagnostic:
     """Return the note on gaps that were closed, with the places of those that can be seen."""
-    listed = [gap for gap in gaps if gap.um >= LISTED_UM]
-    few = len(gaps) - len(listed)
-    places = sorted((Place.of_um(px[gap.kept], py[gap.kept]), gap) for gap in listed)
+    large = [gap for gap in gaps if gap.um >= LISTED_UM]
+    few = len(gaps) - len(large)
+    places = sorted((Place.of_um(px[gap.kept], py[gap.kept]), gap) for gap in large)
     finding = note(
         "join",
         "1 gap between ends closed" if len(gaps) == 1 else "{count} gaps between ends closed",
@@ -179,7 +179,7 @@ def _gaps_closed(
         points_mm=tuple(at for at, _ in places),
         count=len(gaps),
     )
-    if listed:
+    if large:
         largest = max(gap.um for gap in gaps)
         finding = finding.extended(", the largest {largest_mm:.3f} mm", largest_mm=largest / 1e3)
     if few:

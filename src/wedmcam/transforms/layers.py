@@ -53,8 +53,8 @@ def rule_of(layer: str, cutting: Cutting, names: Collection[str] = ()) -> Rule:
 
     ``names``: of all layers, case folded: what names one of them is no wildcard for others.
     """
-    side = _said(layer, cutting.layer_sides, names)
-    offset = _said(layer, cutting.layer_offsets, names)
+    side = _choose(layer, cutting.layer_sides, names)
+    offset = _choose(layer, cutting.layer_offsets, names)
     stated = side or cutting.side
     if stated is None:
         stated_side = Side.PART if (offset or cutting.offset_um) else Side.ON
@@ -63,9 +63,9 @@ def rule_of(layer: str, cutting: Cutting, names: Collection[str] = ()) -> Rule:
     return Rule(stated_side, stated is not None, offset, cutting.taken_um(stated_side))
 
 
-def _said(layer: str, said: Sequence[tuple[str, T]], names: Collection[str]) -> T | None:
-    """Return what is said of a layer: under its name, else under the first wildcard for it."""
-    fits = [(word, value) for word, value in said if layer in Names([word], names)]
+def _choose(layer: str, choices: Sequence[tuple[str, T]], names: Collection[str]) -> T | None:
+    """Return the choice for a layer: under its name, else under the first wildcard for it."""
+    fits = [(word, value) for word, value in choices if layer in Names([word], names)]
     literal = [value for word, value in fits if word.casefold() == layer.casefold()]
     return next(iter([*literal, *(value for _, value in fits)]), None)
 
@@ -96,10 +96,10 @@ def split(
         mine = of == number
         if mine.any():
             groups.append((rule, replace(sketch, segments=sketch.segments[mine])))
-    found = _missing(cut, cutting, wished)
-    if not found and "clearance_um" in wished and cutting.clearance_um:
-        found = _untaken([rule for rule, _ in groups], cutting)
-    return groups or [(rule_of("", cutting), sketch)], found
+    findings = _missing(cut, cutting, wished)
+    if not findings and "clearance_um" in wished and cutting.clearance_um:
+        findings = _untaken([rule for rule, _ in groups], cutting)
+    return groups or [(rule_of("", cutting), sketch)], findings
 
 
 def _untaken(rules: Sequence[Rule], cutting: Cutting) -> list[Diagnostic]:

@@ -42,7 +42,7 @@ ON_TOP_UM = 1.0
 #: ... where they do so for more than this length, um.
 ALONG_UM = 1.0
 #: How far from a vertex to look at which side a contour leaves it, um.
-AWAY_UM = 50.0
+STEP_AWAY_UM = 50.0
 #: Contours that meet at fewer places than this are not one that is drawn twice, if they do not
 #: cross at two at least.
 SEVERAL = 4
@@ -469,7 +469,7 @@ def _through(
 def _arm(placed: Placed, s: Segments, edge: int, node: int) -> tuple[float, float]:
     """Return a point on segment ``edge`` a little away from its end at ``node``."""
     length = float(s.length[edge])
-    step = min(AWAY_UM, 0.5 * length)
+    step = min(STEP_AWAY_UM, 0.5 * length)
     at = step if placed.nodes[edge][0] == node else length - step
     x, y = points_at(s.take(np.array([edge])), np.array([at]))
     return float(x[0]), float(y[0])

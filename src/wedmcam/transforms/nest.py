@@ -18,7 +18,7 @@ from wedmcam.geom.segments import Floats, distances, points_at
 from wedmcam.ir.contour import Contour
 
 #: A probe this near to the other contour, um, does not say on which side it is.
-UNSURE_UM = 0.01
+SAME_EXTENT_UM = 0.01
 #: How many points of a contour are asked before any doubt arises.
 PROBES = 3
 #: How many at most after that.
@@ -82,8 +82,8 @@ def nest(contours: Sequence[Contour]) -> Nesting:
         around = outer[k]
         fits = inner != around
         for low in (0, 1):
-            fits &= extents[inner, low] >= extents[around, low] - UNSURE_UM
-            fits &= extents[inner, low + 2] <= extents[around, low + 2] + UNSURE_UM
+            fits &= extents[inner, low] >= extents[around, low] - SAME_EXTENT_UM
+            fits &= extents[inner, low + 2] <= extents[around, low + 2] + SAME_EXTENT_UM
         some.append((inner[fits], around[fits]))
     inner, around = (np.concatenate(both) for both in zip(*some, strict=True))
     probes = _probes(contours)
@@ -175,6 +175,6 @@ def _inside(contour: Contour, ring: Contour) -> bool:
     for i in range(0, len(x), max(1, len(x) // MOST_PROBES)):
         n = len(other)
         here = float(np.min(distances(other, np.full(n, x[i]), np.full(n, y[i]))))
-        if here > far + UNSURE_UM:
+        if here > far + SAME_EXTENT_UM:
             best, far = i, here
     return bool(measure.contains(ring.vertices, x[best : best + 1], y[best : best + 1])[0])

@@ -39,13 +39,13 @@ class Shifted:
             ux, uy = formulas.unit(ar, ar.array(dx), ar.array(dy))
             return [((x, y), (-uy, ux)) for x, y in places]
         turn = ar.array(s.turn[rows].astype(float))
-        found = []
+        out = []
         for which, place in zip(ends, places, strict=True):
             dx = s.cx[rows] - getattr(s, "x" + which)[rows]
             dy = s.cy[rows] - getattr(s, "y" + which)[rows]
             nx, ny = formulas.unit(ar, ar.array(dx), ar.array(dy))
-            found.append((place, (nx * turn, ny * turn)))
-        return found
+            out.append((place, (nx * turn, ny * turn)))
+        return out
 
     def ends(self, rows: Ints, which: str) -> list[tuple[Floats, Floats]]:
         """Return the shifted starts ("0"), ends ("1") or both ("01") of drawn segments."""

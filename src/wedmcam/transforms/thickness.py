@@ -21,7 +21,7 @@ from wedmcam.transforms.doubles import NOISE_UM, steady
 from wedmcam.transforms.walls import TOUCH_UM, WALL_UM
 
 #: No wire cuts what is smaller than this, um: the finest ones, of 0.02 mm, take it with their gap.
-SPECK_UM = 50.0
+SMALL_HOLE_UM = 50.0
 #: Points of each segment that say how large a contour is.
 SHARES = np.linspace(0.0, 1.0, 9)[:-1]
 #: How many points times segments are looked at at once: some 100 MB.
@@ -33,8 +33,8 @@ def specks(
 ) -> tuple[list[Diagnostic], list[bool]]:
     """Return a warning for each closed contour that no wire makes, and which ones are that.
 
-    A hole is one below `SPECK_UM`. So is a piece of kept material, and one that is smaller than the
-    cut that frees it: twice the offset.
+    A hole is one below `SMALL_HOLE_UM`. So is a piece of kept material, and one that is smaller
+    than the cut that frees it: twice the offset.
 
     Args:
         contours: lines and arcs, um.
@@ -45,7 +45,7 @@ def specks(
         return [], []
     box = measure.extents_of_all([(c.vertices, c.closed) for c in contours])
     kerf = np.where(inside, 2.0 * np.abs(offsets), 0.0)
-    limit = np.maximum(kerf, SPECK_UM)
+    limit = np.maximum(kerf, SMALL_HOLE_UM)
     small = np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1]) < limit
     small &= np.array([c.closed for c in contours])
     findings = []
@@ -60,7 +60,7 @@ def specks(
                 "speck",
                 "the contour at {place} is {size_mm:.4g} mm ({size_um:.4g} um) large, smaller than "
                 "anything a wire cuts"
-                if size < SPECK_UM
+                if size < SMALL_HOLE_UM
                 else "the contour at {place} is {size_mm:.4g} mm ({size_um:.4g} um) large, smaller "
                 "than its own cut, {cut_mm:.3f} mm wide",
                 contours[k].source_of(0),

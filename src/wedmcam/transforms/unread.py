@@ -39,7 +39,7 @@ AT_ONCE = 500_000
 #: How many are counted to estimate how many there are.
 SOME_PAIRS = 200_000
 #: After so many of one type refused for one reason the rest is not looked at.
-MOST_SAID = 100
+MOST_LISTED = 100
 #: How many handles a finding names.
 NAMED_HANDLES = 5
 
@@ -71,9 +71,9 @@ def unread_outlines(
     group = np.full(len(source), -1)
     group[loose] = _groups(bounds.take(loose), source[loose], within)
     read = _Contours(contours, within)
-    found: dict[tuple[str, str], list[_Outline]] = {}
+    groups: dict[tuple[str, str], list[_Outline]] = {}
     for mine, there in zip(_each(group), _each(group[places.row]), strict=True):
-        if any(len(outlines) >= MOST_SAID for outlines in found.values()):
+        if any(len(outlines) >= MOST_LISTED for outlines in groups.values()):
             break
         one = _Group(bounds.take(mine), source[mine], places.x[there], places.y[there])
         why = read.why(one, 2.0 * offset_um)
@@ -84,10 +84,10 @@ def unread_outlines(
             at = Place.of_um(places.x[k], places.y[k])
             named = unread.sources[int(of[k])]
             more = len(set(source[mine].tolist())) - 1
-            found.setdefault((named.dxftype, kind), []).append(
+            groups.setdefault((named.dxftype, kind), []).append(
                 _Outline(named, one.box, more, kind, contour, at, not far.all())
             )
-    return tuple(_finding(outlines) for outlines in found.values())
+    return tuple(_finding(outlines) for outlines in groups.values())
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +151,7 @@ def _finding(outlines: list[_Outline]) -> Diagnostic:
     named = [_handle(h.ref) for h in outlines[1 : NAMED_HANDLES + 1]]
     finding = finding.extended(
         "; likewise at least {likewise} more ({named}"
-        if len(outlines) >= MOST_SAID
+        if len(outlines) >= MOST_LISTED
         else "; likewise {likewise} more ({named}",
         likewise=more,
         named=named,

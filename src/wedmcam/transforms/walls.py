@@ -25,7 +25,7 @@ WALL_UM = 4.0
 #: where contours are made (`meetings`).
 TOUCH_UM = 0.01
 #: Nearer than this contours do touch, um: the noise of float64.
-EXACT_UM = 1e-6
+NO_GAP_UM = 1e-6
 #: Contours that run beside each other, up to `TWICE_UM` apart, for at least this share of either
 #: one are one that is drawn twice.
 MOST = 0.5
@@ -65,7 +65,7 @@ def thin(
         near = np.flatnonzero((g.size > TOUCH_UM) & (g.size < TWICE_UM))
         one = parts is None or parts[a] == parts[b]
         least = int(np.argmin(g.size))
-        if one and EXACT_UM < g.size[least] <= TOUCH_UM:
+        if one and NO_GAP_UM < g.size[least] <= TOUCH_UM:
             findings.append(_touching(contours[a], contours[b], g, least))
         if not len(near):
             # Equal, or not near at all; or a polygon whose corners lie on the other outline.
@@ -88,12 +88,12 @@ def thin(
             close_pairs.add((a, b))
             findings.append((y, x, _finding(contours[a], contours[b], wall, share, size, (x, y))))
     findings.sort(key=lambda f: (round(f[0], 3), round(f[1], 3)))
-    listed = [f[2] for f in findings[:LISTED]]
+    shown = [f[2] for f in findings[:LISTED]]
     if len(findings) > LISTED:
         more = len(findings) - LISTED
         make = error if any(f[2].severity is Severity.ERROR for f in findings[LISTED:]) else warning
-        listed.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
-    return listed, close_pairs
+        shown.append(make("thin-wall", "{count} further pairs of contours like these", count=more))
+    return shown, close_pairs
 
 
 def _pairs(s: Segments, owner: Ints, first: Ints) -> Iterator[tuple[tuple[int, int], Ints, Ints]]:

@@ -58,9 +58,9 @@ def encode(
     )
     f = _fields(checks, machine, arc, straight)
     if not checks.failed:
-        checks.found += travel(program, machine)
+        checks.findings += travel(program, machine)
     if checks.failed:
-        return b"", checks.found
+        return b"", checks.findings
 
     memory = Memory(kinds, turn, f.x, f.y, compact.LENGTH)
     memory.put(arc, 1, 4, f.x)
@@ -68,8 +68,8 @@ def encode(
     memory.put(arc, 9, 3, f.count)
     memory.put(straight, 1, 3, f.x)
     memory.put(straight, 4, 3, f.y)
-    checks.found += memory.too_large(machine)
-    return memory.data.tobytes(), checks.found
+    checks.findings += memory.too_large(machine)
+    return memory.data.tobytes(), checks.findings
 
 
 @dataclass(slots=True, eq=False)

@@ -18,7 +18,7 @@ from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import OUTLINE, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensate
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import compensation, lines
 from wedmcam.ir.program import Kind, Program, Role
@@ -54,19 +54,19 @@ def encode(
     Returns:
         The bytes, empty when there is an error.
     """
-    _, found = encode_compact(program, machine)
-    found = [d for d in found if d.code != "over-memory"]
-    if has_errors(found):
-        return b"", found
+    _, findings = encode_compact(program, machine)
+    findings = [d for d in findings if d.code != "over-memory"]
+    if has_errors(findings):
+        return b"", findings
     checks = Checks(program)
     figure = outline_of(
         program, machine, checks, gap_um, outwards, grown, compensation.MOST_GAP_UM, "compact"
     )
-    found += checks.found
+    findings += checks.findings
     if figure is None:
-        return b"", found
+        return b"", findings
     memory = _memory_of(figure)
-    return memory.data.tobytes(), [*found, *memory.too_large(machine)]
+    return memory.data.tobytes(), [*findings, *memory.too_large(machine)]
 
 
 def outline_of(
@@ -164,7 +164,7 @@ def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) 
             break
         tried = _scaled_back(figure[rows[todo]], blocks[rows[todo]], radius[todo] + off, gap_um,
                              grown[rows[todo]])  # fmt: skip
-        good = _same(compensated(tried, gap_um, outwards), blocks[rows[todo]])
+        good = _same(compensate(tried, gap_um, outwards), blocks[rows[todo]])
         figure[rows[todo[good]]] = tried[good]
         todo = todo[~good]
     left = np.setdiff1d(rows, rows[_reached(figure[rows], blocks[rows], gap_um, outwards)])
@@ -178,7 +178,7 @@ def outline(blocks: NDArray[np.void], gap_um: int, outwards: bool, grown: Ints) 
 def _reached(
     figure: NDArray[np.void], blocks: NDArray[np.void], gap_um: int, outwards: bool
 ) -> NDArray[np.bool_]:
-    return _same(compensated(figure, gap_um, outwards), blocks)
+    return _same(compensate(figure, gap_um, outwards), blocks)
 
 
 def _same(a: NDArray[np.void], b: NDArray[np.void]) -> NDArray[np.bool_]:
@@ -228,13 +228,13 @@ def _nearest(
     ok = (tried["count"] > 0) & (np.sign(tried["x"]) * np.sign(block["x"]) >= 0)
     ok &= np.sign(tried["y"]) * np.sign(block["y"]) >= 0
     tried = tried[ok]
-    made = compensated(tried, gap_um, outwards)
-    keep = made["x"].astype(np.int64) ** 2 + made["y"].astype(np.int64) ** 2 >= 2
-    tried, made = tried[keep], made[keep]
+    path = compensate(tried, gap_um, outwards)
+    keep = path["x"].astype(np.int64) ** 2 + path["y"].astype(np.int64) ** 2 >= 2
+    tried, path = tried[keep], path[keep]
     if not len(tried):
         return base[:1]
-    moved, wanted = MIRROR.run(made), MIRROR.run(block)
-    start = np.hypot(made["x"] - block["x"][0], made["y"] - block["y"][0])
+    moved, wanted = MIRROR.run(path), MIRROR.run(block)
+    start = np.hypot(path["x"] - block["x"][0], path["y"] - block["y"][0])
     end = np.hypot(moved.dx - wanted.dx[0], moved.dy - wanted.dy[0])
     best = int(np.lexsort((start + end, np.maximum(start, end)))[0])
     chosen: NDArray[np.void] = tried[best : best + 1]
@@ -251,8 +251,8 @@ def closed(
     """
     blocks = program.blocks
     lost = np.zeros(len(blocks), dtype=bool)
-    made = compensated(figure, gap_um, outwards)
-    have, want = stepping.run(made), stepping.run(blocks)
+    path = compensate(figure, gap_um, outwards)
+    have, want = stepping.run(path), stepping.run(blocks)
     off_x, off_y = have.dx - want.dx, have.dy - want.dy
     arc = blocks["kind"] == Kind.ARC
     if not (arc & ((off_x != 0) | (off_y != 0))).any():

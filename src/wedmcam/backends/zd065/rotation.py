@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
-from wedmcam.controllers.zd065 import POLAR, rotated
+from wedmcam.controllers.zd065 import POLAR, rotate
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import lines, rotation
 from wedmcam.ir.program import Kind, Program
@@ -38,10 +38,10 @@ def encode(
     Returns:
         The bytes, empty when there is an error.
     """
-    _, found = encode_compact(program, machine)
-    found = [d for d in found if d.code != "over-memory"]
-    if has_errors(found):
-        return b"", found
+    _, findings = encode_compact(program, machine)
+    findings = [d for d in findings if d.code != "over-memory"]
+    if has_errors(findings):
+        return b"", findings
     blocks = program.blocks
     kind = blocks["kind"]
     arc = kind == Kind.ARC
@@ -66,11 +66,11 @@ def encode(
         "block {block}: no angle of 8 digits and whole R give this block",
         hint="--to compact holds it as it is",
     )
-    found += checks.found
+    findings += checks.findings
     if checks.failed:
-        return b"", found
+        return b"", findings
     memory = _memory_of(blocks, figure, x, y)
-    return memory.data.tobytes(), [*found, *memory.too_large(machine)]
+    return memory.data.tobytes(), [*findings, *memory.too_large(machine)]
 
 
 def polar(blocks: NDArray[np.void], x: Ints, y: Ints) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
@@ -126,9 +126,9 @@ def _find_sweeps(
         exponent, significand = rotation.angle_fields(np.clip(sweep, 0.0, 999.0))
         sweep = rotation.angle_value(exponent, significand)
         figure["sweep"][of] = np.where(arc[todo], sweep, 0.0)
-        made = rotated(figure[of])
-        same = (made["x"] == x[of]) & (made["y"] == y[of])
-        good[todo] = same & (~arc[todo] | (made["count"] == count[todo]))
+        path = rotate(figure[of])
+        same = (path["x"] == x[of]) & (path["y"] == y[of])
+        good[todo] = same & (~arc[todo] | (path["count"] == count[todo]))
     return good
 
 

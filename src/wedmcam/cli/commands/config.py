@@ -26,7 +26,7 @@ Any option of {", ".join(COMMANDS)} that names no file of one run can stand in a
 user's configuration folder. What is nearer wins, and what is typed wins over all. Lengths
 are text with a unit ("0.1mm") or mm; what can be repeated takes a list; a flag takes true
 or false. Commands that only read programs (convert, diff, dump, explain) take "profile",
-"profile-in", "d" and what is said of programs ("units-in", "whole-in", ...) of it.
+"profile-in", "d" and the answers about programs ("units-in", "whole-in", ...) of it.
 """
 
 

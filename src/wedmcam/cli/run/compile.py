@@ -139,7 +139,7 @@ def _report_refused(compilation: Compilation, outputs: Outputs, source: str, jso
 def _sheet(compilation: Compilation, outputs: Outputs, name: str, params: dict[str, Any]) -> bytes:
     """Return the setup sheet; it shows the picture that is written with it."""
     plot = outputs.plot
-    return setup_sheet.written(
+    return setup_sheet.write_sheet(
         compilation,
         Path(outputs.program).name,
         name,

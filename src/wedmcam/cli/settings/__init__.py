@@ -1,6 +1,6 @@
 """Shop defaults: what ``wedmcam.toml`` says, and what of it is in force.
 
-A shop cuts everything with one wire and one gap; nobody should have to type them. Any option can
+A shop cuts everything with one wire and one gap, and should not type them each time. Any option can
 stand in a ``wedmcam.toml`` under its long name: beside the input, in a folder above it, or in the
 user's configuration folder. What is nearer to the input wins, and what is typed wins over all. The
 table of keys is the options themselves, so a new option can stand there at once.

@@ -73,9 +73,9 @@ class Configured(click.Command):
 class ReadsPrograms(Configured):
     """A command that reads programs and compiles none.
 
-    Of the settings it takes ``d`` and what is said of programs that are read; the profile is asked
-    for each program (`profile_for`), as a shop has machines of several formats. A command that is
-    given no program takes none.
+    Of the settings it takes ``d`` and the answers about programs that are read; the profile is
+    asked for each program (`profile_for`), as a shop has machines of several formats. A command
+    that is given no program takes none.
     """
 
     def setting_options(self) -> dict[str, click.Option]:

@@ -41,31 +41,31 @@ def in_force(
     state = state_of(ctx)
     if state.given is None:
         state.given = dict(ctx.params)
-    found = InForce(files=files_for(folder, ctx) if files else (), params=dict(state.given))
+    result = InForce(files=files_for(folder, ctx) if files else (), params=dict(state.given))
     given = {
         key: state.given[str(option.name)]
         for key, option in options.items()
         if str(option.name) in typed
     }
     taken: dict[str, Any] = dict(given)
-    for file in found.files:
+    for file in result.files:
         nearer = dict(taken)
         for key, setting in file.settings.items():
             if key not in options:
                 continue
-            why = _aside(setting, nearer, found.params, given)
+            why = _aside(setting, nearer, result.params, given)
             if why:
-                found.aside.append((setting, why))
+                result.aside.append((setting, why))
                 continue
             taken[key] = setting.value
-            found.settings[key] = setting
-            found.params[str(options[key].name)] = setting.value
-    if "units" in found.settings:
+            result.settings[key] = setting
+            result.params[str(options[key].name)] = setting.value
+    if "units" in result.settings:
         # A default is weaker than what a drawing says of itself; what is typed is not.
-        found.params["fill_in_units"] = True
-    if "join" in options:  # a command that reads drawings: what has no effect there is said
-        found.params["wishes"] = frozenset(str(options[key].name) for key in given)
-    return found
+        result.params["fill_in_units"] = True
+    if "join" in options:  # a command that reads drawings: what has no effect there is reported
+        result.params["wishes"] = frozenset(str(options[key].name) for key in given)
+    return result
 
 
 def _aside(

@@ -48,7 +48,7 @@ TOO_FAR = 1.5
 #: Height of the chords of an arc whose radius is too large for a block; um.
 CHORD_UM = 0.3
 #: Arcs shorter than this are not parted, but lines; um.
-SHORT_UM = 4.0
+SHORT_ARC_UM = 4.0
 #: Arcs of a larger sweep are parted in four (radians).
 WIDE = 3.5
 #: An arc of more than half a turn whose ends are at most this many steps apart is parted: on the
@@ -437,7 +437,7 @@ def _least(strays: Sequence[Floats], far: Sequence[Floats]) -> list[int] | None:
 def _part_bad_arcs(chain: _Chain, bad: Ints) -> None:
     """Part arcs in two, wide ones in four; what is too short becomes a line."""
     wide = chain.sweep[bad] > WIDE
-    short = (chain.radius[bad] * chain.sweep[bad] < SHORT_UM) & ~wide
+    short = (chain.radius[bad] * chain.sweep[bad] < SHORT_ARC_UM) & ~wide
     chain.state[bad[short]] = _LINE
     bad, wide = bad[~short], wide[~short]
     if not len(bad):

@@ -6,9 +6,8 @@ Every block is shifted by itself, and joined to the next one:
 * At an outer corner an arc about the programmed corner runs from the one end to the other.
 * At an inner corner both end where they cross.
 
-The controller knows nothing else. A block of which nothing is left between its two joints is
-refused, and so is an inside radius below the offset; one that equals it is a point, and may be
-nothing.
+The controller knows nothing else. It refuses a block that its two joints leave nothing of, and an
+inside radius below the offset; a radius that equals the offset is a point, and may be nothing.
 
 The error of a place is that of a handful of float64 operations, below 1e-6 um for coordinates of a
 metre; but ends that nearly meet are moved by up to half of `MEET_UM`, and those that are nearly

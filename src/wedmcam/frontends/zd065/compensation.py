@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import OUTLINE, compensated
+from wedmcam.controllers.zd065 import OUTLINE, compensate
 from wedmcam.diag import Diagnostic, Severity
-from wedmcam.formats import compensation as gap
-from wedmcam.formats import quadrants
+from wedmcam.formats import compensation, quadrants
 from wedmcam.formats.lengths import mm_of
 from wedmcam.frontends.zd065.memory import Stream
 from wedmcam.ir.program import Axis, Kind, Program
@@ -31,7 +30,7 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
-    _, found = stream.finish(compensated(figure, 0))
+    _, found = stream.finish(compensate(figure, 0))
     return figure[stream.good], found
 
 
@@ -52,13 +51,13 @@ def decode(
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
-    whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= gap.MOST_GAP_UM else 0
+    whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= compensation.MOST_GAP_UM else 0
     stream.tell(
         Severity.ERROR,
         "gap-value",
         np.full(len(figure), whole != gap_um) & (np.arange(len(figure)) == 0),
         "block {block}: a gap of {gap_um:g} um; the controller takes whole um from 0 to {most_um}",
-        lambda i: {"gap_um": gap_um, "most_um": gap.MOST_GAP_UM},
+        lambda i: {"gap_um": gap_um, "most_um": compensation.MOST_GAP_UM},
     )
     sign = figure["grows"].astype(np.int64) * (1 if outwards else -1)
     after = figure["radius"] + sign * whole
@@ -75,7 +74,7 @@ def decode(
     )
     if whole:
         _tell_joints(stream, figure, whole)
-    blocks = compensated(_safe(figure, stream), whole, outwards)
+    blocks = compensate(_safe(figure, stream), whole, outwards)
     stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
     return stream.finish(blocks)
 
@@ -112,11 +111,13 @@ def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:
 
 
 def _fields(data: bytes, file: str, machine: Machine) -> tuple[Stream, NDArray[np.void]]:
-    s = Stream(data, gap.LENGTH, file, machine)
+    s = Stream(data, compensation.LENGTH, file, machine)
     figure = np.zeros(len(s.starts), dtype=OUTLINE)
     figure["kind"], figure["turn"], figure["axis"] = s.kind, s.turn, Axis.SQUARE
     types = s.bytes_at(s.arc, 1)
-    figure["grows"] = np.select([types == gap.GROWS, types == gap.SHRINKS], [1, -1], 0)
+    figure["grows"] = np.select(
+        [types == compensation.GROWS, types == compensation.SHRINKS], [1, -1], 0
+    )
     figure["radius"] = s.column(s.arc, 2, 4)
     xs = s.column(s.arc, 6, 4) + s.column(s.straight, 1, 3)
     ys = s.column(s.arc, 10, 4) + s.column(s.straight, 4, 3)
@@ -152,7 +153,7 @@ def _check(s: Stream, figure: NDArray[np.void]) -> None:
     moving = s.arc | s.straight
     right = quadrants.quadrant(figure["x"], figure["y"], s.turn)
     s.tell_repaired(Severity.NOTE, moving & (right != s.named) & (right != 0), right)
-    blocks = compensated(_safe(figure, s), 0)
+    blocks = compensate(_safe(figure, s), 0)
     s.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
 
 
@@ -169,7 +170,7 @@ def _safe(figure: NDArray[np.void], s: Stream) -> NDArray[np.void]:
 
 def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
     """Refuse joints that the gap would tear apart by more than rounding explains."""
-    blocks = compensated(_safe(figure, s), 0)
+    blocks = compensate(_safe(figure, s), 0)
     cutting = (s.kind == Kind.LINE) | s.arc
     ax, ay, bx, by, room = directions(blocks)
     following = np.zeros(len(blocks), dtype=bool)

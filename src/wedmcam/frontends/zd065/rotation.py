@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controllers.zd065 import POLAR, rotated
+from wedmcam.controllers.zd065 import POLAR, rotate
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import rotation
 from wedmcam.formats.lengths import mm_of
@@ -29,7 +29,7 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
     stream, figure = _fields(data, file, machine)
     stream.tell_digits()
     _check(stream, figure)
-    _, found = stream.finish(rotated(_safe(figure, stream)))
+    _, found = stream.finish(rotate(_safe(figure, stream)))
     return figure[stream.good], found
 
 
@@ -48,7 +48,7 @@ def decode(
     stream, figure = _fields(data, file, machine)
     stream.tell_digits()
     _check(stream, figure)
-    blocks = rotated(_safe(figure, stream))
+    blocks = rotate(_safe(figure, stream))
     x, y = blocks["x"], blocks["y"]
     stream.tell_blocks(x, y, blocks["count"])
     stream.tell_quadrants(x, y)
@@ -56,7 +56,7 @@ def decode(
     if copies and stream.good.any():
         kept = figure[stream.good]
         tail = program.blocks[len(kept) :]
-        program = Program(np.concatenate([rotated(kept, copies, step), tail]))
+        program = Program(np.concatenate([rotate(kept, copies, step), tail]))
     return program, found
 
 

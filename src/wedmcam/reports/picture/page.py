@@ -53,7 +53,7 @@ def page(
     title: str,
     head: Sequence[str] = (),
     rows: Sequence[Sequence[str]] = (),
-    said: str = "",
+    report: str = "",
     known: Understanding | None = None,
 ) -> str:
     """Return an HTML page of a picture.
@@ -63,7 +63,7 @@ def page(
         title: the file's name.
         head: names of the columns of ``rows``; the first is the number of the block.
         rows: a row a block.
-        said: findings, as people read them.
+        report: findings, as people read them.
         known: what was understood: a table of the contours stands before that of the blocks.
     """
     picture = svg[svg.index("<svg") :]
@@ -71,7 +71,7 @@ def page(
         f"<tr>{''.join(f'<td>{words(cell)}</td>' for cell in row)}</tr>" for row in rows
     )
     names = "".join(f"<th>{words(name)}</th>" for name in head)
-    lines = "\n".join(words(line) for line in said.split("\n")) if said else ""
+    lines = "\n".join(words(line) for line in report.split("\n")) if report else ""
     table = f"<table><thead><tr>{names}</tr></thead>\n<tbody>\n{cells}\n</tbody></table>"
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
@@ -90,7 +90,7 @@ def _contours(known: Understanding) -> str:
         "<li>" + "<br>".join(words(f"{h}: {c}") for h, c in zip(HEADINGS, row.cells, strict=True))
         for row in known.rows
     ]
-    threads = "".join(f"<p>{words(said)}</p>" for said in known.threads)
+    threads = "".join(f"<p>{words(sentence)}</p>" for sentence in known.threads)
     return (
         f'<details id="understood"><summary>cuts {words(known.counts)}</summary>'
         f"{threads}<ol>{''.join(rows)}</ol></details>\n"

@@ -25,7 +25,6 @@ from wedmcam.reports.picture.threads import TICK_EVERY, draw_threads, kept_ticks
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-TAU = 2 * math.pi
 #: In um: whole numbers where a step of the machine is.
 Places = NDArray[np.int64] | NDArray[np.float64]
 
@@ -113,7 +112,8 @@ class _Segments(NamedTuple):
         low, high = np.minimum(first, first + self.sweep), np.maximum(first, first + self.sweep)
         for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1)):
             apex = math.atan2(dy, dx)
-            after = apex + TAU * np.ceil((low - apex) / TAU)  # the first one from the start on
+            # The first one from the start on.
+            after = apex + math.tau * np.ceil((low - apex) / math.tau)
             on = (self.sweep != 0) & (after <= high)
             x.append((self.cx + r * dx)[on])
             y.append((self.cy + r * dy)[on])
@@ -150,9 +150,9 @@ def _of_contour(contour: Contour) -> _Segments:
     turned = np.arctan2(b["y"] - a["cy"], b["x"] - a["cx"]) - np.arctan2(
         a["y"] - a["cy"], a["x"] - a["cx"]
     )
-    sweep = np.mod(turned * turn, TAU)
+    sweep = np.mod(turned * turn, math.tau)
     full = (a["x"] == b["x"]) & (a["y"] == b["y"])
-    sweep = np.where(turn == 0, 0.0, np.where(full, TAU, sweep) * turn)
+    sweep = np.where(turn == 0, 0.0, np.where(full, math.tau, sweep) * turn)
     x0, y0, x1, y1, cx, cy = (v / 1000 for v in (a["x"], a["y"], b["x"], b["y"], a["cx"], a["cy"]))
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
 
@@ -168,13 +168,13 @@ def _of_blocks(blocks: NDArray[np.void], starts: Places, ends: Places, step_um: 
     to_end = ends - centre
     r = np.hypot(blocks["x"], blocks["y"])
     turned = np.arctan2(to_end[:, 1], to_end[:, 0]) - np.arctan2(blocks["y"], blocks["x"])
-    sweep = np.mod(turned * turn, TAU)
+    sweep = np.mod(turned * turn, math.tau)
     # The ends tell the angle but for whole turns: an arc may end a little before or behind where
     # it starts, and go round again. A turn counts 4 R on an axis, and on the sides of the inscribed
     # square 4 R sqrt 2; within a turn the count is never half a turn off.
     square = (blocks["axis"] == Axis.SQUARE) | (blocks["axis"] == Axis.SQUARE_X)
     a_turn = np.where(square, math.sqrt(2), 1.0) * 4 * np.maximum(r, 1)
-    sweep += TAU * np.round(blocks["count"] / a_turn - sweep / TAU)
+    sweep += math.tau * np.round(blocks["count"] / a_turn - sweep / math.tau)
     sweep = np.where(arc, np.maximum(sweep, 0.0) * turn, 0.0)
     (x0, y0), (x1, y1), (cx, cy) = (p.T / per_mm for p in (starts, ends, centre))
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)
@@ -408,7 +408,7 @@ class _Wire:
                 f'<g id="moves" stroke="{MOVE}" stroke-width="{sheet.mm(1.2)}" '
                 f'stroke-dasharray="{sheet.mm(6)} {sheet.mm(4.5)}">',
                 *(
-                    f'<path d="{self._path([i])}">{self._told(i)}</path>'
+                    f'<path d="{self._path([i])}">{self._tip(i)}</path>'
                     for i in self.moves.tolist()
                 ),
                 "</g>",
@@ -440,11 +440,11 @@ class _Wire:
 
     def _paths(self, rows: NDArray[np.intp]) -> list[str]:
         if len(self.cutting) <= DETAILED:
-            return [f'<path d="{self._path([i])}">{self._told(i)}</path>' for i in rows.tolist()]
-        told = f"blocks {rows[0] + 1} to {rows[-1] + 1}"
-        return [f'<path d="{self._path(rows)}"><title>{told}</title></path>']
+            return [f'<path d="{self._path([i])}">{self._tip(i)}</path>' for i in rows.tolist()]
+        tip = f"blocks {rows[0] + 1} to {rows[-1] + 1}"
+        return [f'<path d="{self._path(rows)}"><title>{tip}</title></path>']
 
-    def _told(self, i: int) -> str:
+    def _tip(self, i: int) -> str:
         """Return the tool tip of a block."""
         b, s = self.program.blocks[i], self.segments
         if b["kind"] == Kind.ARC:
@@ -600,14 +600,14 @@ def plot_contours(
         facts: printed in the title block in their order, name -> value.
         marks: findings whose ``points_mm`` are ringed.
     """
-    told = dict(facts or {})
+    entries = dict(facts or {})
     shapes = [_of_contour(c) for c in contours]
     boxes = [s.box() for s in shapes]
     part = union(boxes) if boxes else None
     boxes += [(p.x / 1000, p.y / 1000, p.x / 1000, p.y / 1000) for p in thread_points]
     boxes += [(x, y, x, y) for d in marks for x, y in d.points_mm]
     box = union(boxes) if boxes else (0.0, 0.0, 10.0, 10.0)
-    sheet = Sheet(box, title, len(told))
+    sheet = Sheet(box, title, len(entries))
     hatched = side if side in (Side.PART, Side.DIE) and any(c.closed for c in contours) else None
     legend = _part(sheet, contours, hatched, box) if contours else []
     if part is not None:
@@ -625,8 +625,8 @@ def plot_contours(
     crosses = []
     for point in thread_points:
         x, y = point.x / 1000, point.y / 1000
-        said = f"; {point.span}" if point.span else ""
-        crosses.append((x, y, "T", f"thread point at ({x:.3f}, {y:.3f}) mm{said}"))
+        where = f"; {point.span}" if point.span else ""
+        crosses.append((x, y, "T", f"thread point at ({x:.3f}, {y:.3f}) mm{where}"))
     legend += draw_threads(sheet, crosses)
     ring = f'fill="none" stroke="{WIRE}" stroke-width="1.6"'
     opened = False
@@ -650,7 +650,7 @@ def plot_contours(
                 sheet.text(at, str(n), size=11, bold=True)
                 break
     _mark(sheet, marks)
-    return sheet.print(f"{len(contours)} contours, coordinates in mm", told, legend)
+    return sheet.print(f"{len(contours)} contours, coordinates in mm", entries, legend)
 
 
 def _tips(contour: Contour, shape: _Segments, n: int) -> list[str]:

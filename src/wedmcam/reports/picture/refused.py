@@ -6,6 +6,7 @@ as they were read, and the places of findings are ringed, numbered, and listed i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Diagnostic
 from wedmcam.ir.sketch import ThreadPoint
-from wedmcam.reports.picture.program import OUTLINE, TAU, _mark, _Segments, _stroke
+from wedmcam.reports.picture.program import OUTLINE, _mark, _Segments, _stroke
 from wedmcam.reports.picture.sheet import Box, Sheet, number, union
 from wedmcam.reports.picture.threads import draw_threads
 
@@ -56,8 +57,8 @@ def plot_refused(
     x0, y0, x1, y1 = union(boxes)
     if max(x1 - x0, y1 - y0) < LEAST_MM / 1000:
         x0, y0, x1, y1 = x0 - LEAST_MM, y0 - LEAST_MM, x1 + LEAST_MM, y1 + LEAST_MM
-    told = {**(facts or {}), **listed(marks)}
-    sheet = Sheet((x0, y0, x1, y1), title, len(told))
+    entries = {**(facts or {}), **number_findings(marks)}
+    sheet = Sheet((x0, y0, x1, y1), title, len(entries))
     if others is not None:
         dashes = f'stroke-dasharray="{sheet.mm(6)} {sheet.mm(4.5)}"'
         sheet.draw(
@@ -84,8 +85,10 @@ def plot_refused(
     if any(d.points_mm for d in marks):
         ring = '<circle cx="14" cy="6" r="5" fill="none" stroke="#d00000" stroke-width="2"/>'
         legend.append((ring, "what is wrong"))
-    text = f"{len(rows)} segments as read, {len(listed(marks))} findings; coordinates in mm"
-    return sheet.print(text, told, legend)
+    text = (
+        f"{len(rows)} segments as read, {len(number_findings(marks))} findings; coordinates in mm"
+    )
+    return sheet.print(text, entries, legend)
 
 
 def _paths(shape: _Segments) -> list[str]:
@@ -93,7 +96,7 @@ def _paths(shape: _Segments) -> list[str]:
     return [start + command for start, command in zip(starts, shape.commands(), strict=True)]
 
 
-def listed(marks: Sequence[Diagnostic]) -> dict[str, str]:
+def number_findings(marks: Sequence[Diagnostic]) -> dict[str, str]:
     """Return the numbers of findings with code and first place, for the title block."""
     placed = [d for d in marks if d.points_mm]
     out = {}
@@ -113,5 +116,6 @@ def _of_rows(rows: NDArray[np.void]) -> _Segments:
     turn = rows["turn"].astype(float)
     turned = np.arctan2(y1 - cy, x1 - cx) - np.arctan2(y0 - cy, x0 - cx)
     full = (x0 == x1) & (y0 == y1)
-    sweep = np.where(turn == 0, 0.0, np.where(full, TAU, np.mod(turned * turn, TAU)) * turn)
+    sweep = np.where(full, math.tau, np.mod(turned * turn, math.tau))
+    sweep = np.where(turn == 0, 0.0, sweep * turn)
     return _Segments(x0, y0, x1, y1, cx, cy, sweep)

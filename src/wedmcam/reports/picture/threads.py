@@ -45,10 +45,10 @@ def draw_threads(
         start: what is printed before the name of the first one, where the program starts.
     """
     left, threads = len(threads) - MOST, threads[:MOST]
-    for x_mm, y_mm, _, told in threads:
+    for x_mm, y_mm, _, tip in threads:
         x, y = sheet.at(x_mm, y_mm)
         sheet.symbol(
-            f'<g stroke="{INK}" stroke-width="1.1" fill="none"><title>{words(told)}</title>'
+            f'<g stroke="{INK}" stroke-width="1.1" fill="none"><title>{words(tip)}</title>'
             f'<circle cx="{number(x, 2)}" cy="{number(y, 2)}" r="3.6" fill="#fff"/>'
             f'<path d="M{number(x - ARM, 2)} {number(y, 2)}h{number(2 * ARM)}'
             f'M{number(x, 2)} {number(y - ARM, 2)}v{number(2 * ARM)}"/></g>'

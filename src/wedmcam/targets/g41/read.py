@@ -44,7 +44,7 @@ def decode(
         machine: an ISO profile.
         file: name for the spans.
         table: D number -> offset, um; None to refuse G41 and G42.
-        dialect: what is said beside the file; None: it is of this machine.
+        dialect: how a foreign file is read; None: it is of this machine.
         assumed: the table is that of a drawing: one in the file wins.
     """
     from wedmcam.frontends.axes import to_drawing

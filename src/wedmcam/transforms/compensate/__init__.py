@@ -151,23 +151,23 @@ def compensate(
         raw = raw_offset(source, sharp)
         if raw.tangled and not attempt.untangle:
             continue
-        found = resolve(source, raw, attempt.limits)
-        if not len(found.lost):
+        loops = resolve(source, raw, attempt.limits)
+        if not len(loops.lost):
             break
     else:
         if len(outlines) > 1:
             return _without_conflicts(outlines, shifts, arithmetic, sharp)
-        return Compensated((), (), 0), [_unresolved(outlines, source, raw, found)]
-    runs = _runs(found)
-    every = _paths(outlines, arithmetic, source, raw, found, runs)
-    backwards = _backwards(source, raw, found)
+        return Compensated((), (), 0), [_unresolved(outlines, source, raw, loops)]
+    runs = _runs(loops)
+    every = _paths(outlines, arithmetic, source, raw, loops, runs)
+    backwards = _backwards(source, raw, loops)
     kept = np.flatnonzero(~backwards).tolist()
     interference = find_interference(
-        outlines, source, raw, found, [runs[k] for k in kept], [found.closed[k] for k in kept]
+        outlines, source, raw, loops, [runs[k] for k in kept], [loops.closed[k] for k in kept]
     )
     paths = tuple(every[k] for k in kept)
     pockets = tuple(every[k] for k in np.flatnonzero(backwards).tolist())
-    return Compensated(paths, interference, _inner_corners(source, raw, found), pockets), []
+    return Compensated(paths, interference, _inner_corners(source, raw, loops), pockets), []
 
 
 def _without_conflicts(
@@ -181,14 +181,14 @@ def _without_conflicts(
     """
     source = gather(outlines, shifts)
     raw = raw_offset(source, sharp)
-    found = resolve(source, raw, Limits())
-    lost = raw.contour[found.element[found.lost]]
+    loops = resolve(source, raw, Limits())
+    lost = raw.contour[loops.element[loops.lost]]
     is_bad = np.bincount(lost, minlength=len(outlines)) > 0
     bad, good = np.flatnonzero(is_bad), np.flatnonzero(~is_bad).tolist()
     if not len(bad):  # lost only in a later attempt, or the contours cross
         return Compensated((), (), 0), [_crossing(outlines)]
     alone = [compensate([outlines[k]], [shifts[k]], sharp=sharp)[1] for k in bad.tolist()]
-    problems = [p for found_alone in alone for p in found_alone]
+    problems = [p for own in alone for p in own]
     rest, more = compensate(
         [outlines[k] for k in good], [shifts[k] for k in good], arithmetic=arithmetic, sharp=sharp
     )
@@ -197,8 +197,8 @@ def _without_conflicts(
     interference = [replace(i, outline=good[i.outline]) for i in rest.interference]
     for number in bad.tolist():
         k = int(np.flatnonzero(lost == number)[0])
-        x, y = found.lost_at[k] + np.array(source.origin)
-        row = int(source.row[raw.source[found.element[found.lost[k]]]])
+        x, y = loops.lost_at[k] + np.array(source.origin)
+        row = int(source.row[raw.source[loops.element[loops.lost[k]]]])
         rows = tuple(range(len(outlines[number])))
         length = float(source.segments.length[source.contour == number].sum())
         interference.append(
@@ -225,10 +225,10 @@ def _crossing(outlines: Sequence[Contour]) -> Diagnostic:
     )
 
 
-def _unresolved(outlines: Sequence[Contour], source: Source, raw: Raw, found: Loops) -> Diagnostic:
-    at = found.lost_at + np.array(source.origin)
+def _unresolved(outlines: Sequence[Contour], source: Source, raw: Raw, loops: Loops) -> Diagnostic:
+    at = loops.lost_at + np.array(source.origin)
     where = tuple(Place.of_um(x, y) for x, y in at[:3])
-    element = int(found.element[found.lost[0]])
+    element = int(loops.element[loops.lost[0]])
     return error(
         "offset-unresolved",
         "the offset of this contour could not be resolved near {place}",
@@ -240,7 +240,7 @@ def _unresolved(outlines: Sequence[Contour], source: Source, raw: Raw, found: Lo
     )
 
 
-def _inner_corners(source: Source, raw: Raw, found: Loops) -> int:
+def _inner_corners(source: Source, raw: Raw, loops: Loops) -> int:
     """Return how many neighbours in the drawing overlap once they are shifted.
 
     Those before and behind what no piece of the path runs along (a chamfer) are one corner.
@@ -250,8 +250,8 @@ def _inner_corners(source: Source, raw: Raw, found: Loops) -> int:
     drawn = source.following[raw.source[e]] == raw.source[f]
     e, f = e[drawn], f[drawn]
     used = np.zeros(len(raw.source), bool)
-    for loop in found.loops:
-        used[found.element[loop]] = True
+    for loop in loops.loops:
+        used[loops.element[loop]] = True
     if used[e].all():
         return len(e)
     before = np.full(len(used), -1)
@@ -266,28 +266,28 @@ def _inner_corners(source: Source, raw: Raw, found: Loops) -> int:
     return count
 
 
-def _backwards(source: Source, raw: Raw, found: Loops) -> NDArray[np.bool_]:
+def _backwards(source: Source, raw: Raw, loops: Loops) -> NDArray[np.bool_]:
     """Return which loops run against the outline that they belong to."""
     s = source.segments
     lune = s.radius**2 * (s.sweep - np.sin(s.sweep)) * s.turn
     area = np.bincount(source.contour, s.x0 * s.y1 - s.x1 * s.y0 + lune)
-    first = np.array([int(raw.contour[found.element[k[0]]]) for k in found.loops], np.int64)
-    return np.array(found.areas) * area[first] < 0
+    first = np.array([int(raw.contour[loops.element[k[0]]]) for k in loops.loops], np.int64)
+    return np.array(loops.areas) * area[first] < 0
 
 
-def _runs(found: Loops) -> list[Ints]:
+def _runs(loops: Loops) -> list[Ints]:
     """Return the loops without pieces that only continue the one before on the same element."""
-    if found.whole or not found.loops:
-        return found.loops
-    k = np.concatenate(found.loops)
-    size = np.array([len(loop) for loop in found.loops], np.int64)
+    if loops.whole or not loops.loops:
+        return loops.loops
+    k = np.concatenate(loops.loops)
+    size = np.array([len(loop) for loop in loops.loops], np.int64)
     begin = np.cumsum(size) - size
-    closed = np.array(found.closed, bool)
+    closed = np.array(loops.closed, bool)
     before = np.arange(-1, len(k) - 1)
     before[begin] = begin + size - 1
-    element = found.element[k]
+    element = loops.element[k]
     through = element == element[before]
-    through &= np.abs(found.at0[k] - found.at1[k[before]]) < 1e-9
+    through &= np.abs(loops.at0[k] - loops.at1[k[before]]) < 1e-9
     through[begin[~closed]] = False
     # A loop of one element keeps its first vertex.
     through[begin[np.add.reduceat(~through, begin) == 0]] = False
@@ -300,23 +300,23 @@ def _paths(
     ar: Arithmetic,
     source: Source,
     raw: Raw,
-    found: Loops,
+    loops: Loops,
     runs: list[Ints],
 ) -> list[WirePath]:
     """Return the loops as contours."""
     if not runs:
         return []
     k = np.concatenate(runs)
-    element = found.element[k]
-    node = found.node0[k]
-    x, y = found.node_x, found.node_y
+    element = loops.element[k]
+    node = loops.node0[k]
+    x, y = loops.node_x, loops.node_y
     if ar is not FLOAT64:  # float64 is what the nodes were computed in
-        used = np.concatenate([node, [found.node1[loop[-1]] for loop in found.loops]]).astype(
+        used = np.concatenate([node, [loops.node1[loop[-1]] for loop in loops.loops]]).astype(
             np.int64
         )
         used = np.flatnonzero(np.bincount(used))  # np.unique fetches numpy.ma
         x, y = x.copy(), y.copy()
-        x[used], y[used] = node_points(ar, source, raw, found, used)
+        x[used], y[used] = node_points(ar, source, raw, loops, used)
     e = raw.elements
     of = raw.source[element]
     rows = np.zeros(len(k), VERTEX)
@@ -331,7 +331,7 @@ def _paths(
     rows["source"] = drawn[base[number] + source.row[of]]
     paths = []
     begin = 0
-    for run, loop, closed in zip(runs, found.loops, found.closed, strict=True):
+    for run, loop, closed in zip(runs, loops.loops, loops.closed, strict=True):
         part = rows[begin : begin + len(run)]
         mine = number[begin : begin + len(run)]
         begin += len(run)
@@ -343,7 +343,7 @@ def _paths(
             sources = _of_several(outlines, along, part, mine)
         if not closed:
             last = np.zeros(1, VERTEX)
-            end = int(found.node1[loop[-1]])
+            end = int(loops.node1[loop[-1]])
             last["x"], last["y"] = x[end] + source.origin[0], y[end] + source.origin[1]
             last["source"] = -1
             part = np.concatenate([part, last])

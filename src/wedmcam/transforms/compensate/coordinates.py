@@ -46,13 +46,13 @@ def joints(
 
 
 def node_points(
-    ar: Arithmetic, source: Source, raw: Raw, found: Loops, nodes: Ints
+    ar: Arithmetic, source: Source, raw: Raw, loops: Loops, nodes: Ints
 ) -> tuple[Floats, Floats]:
     """Return (x, y) of ``nodes`` (sorted, unique), um relative to the origin of ``source``."""
     n = len(raw.elements)
     s = Shifted(ar, source.segments, source.shift)
-    x, y = found.node_x[nodes].copy(), found.node_y[nodes].copy()
-    i, j = found.node_i[nodes].copy(), found.node_j[nodes].copy()
+    x, y = loops.node_x[nodes].copy(), loops.node_y[nodes].copy()
+    i, j = loops.node_i[nodes].copy(), loops.node_j[nodes].copy()
 
     # Ends of elements: a joint with the following one, or a loose end.
     ends = np.flatnonzero((i < 0) & (nodes < n))

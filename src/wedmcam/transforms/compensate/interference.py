@@ -60,8 +60,8 @@ class Interference:
 class _Reach:
     """Which drawn segments the path reaches, and stretches of those that it does not."""
 
-    def __init__(self, source: Source, raw: Raw, found: Loops, pieces: Ints) -> None:
-        element = found.element[pieces]
+    def __init__(self, source: Source, raw: Raw, loops: Loops, pieces: Ints) -> None:
+        element = loops.element[pieces]
         s, n = source.segments, len(source.contour)
         self.source = source
         self.offset = np.abs(source.shift)
@@ -74,11 +74,11 @@ class _Reach:
         radius = np.abs(s.radius[v] - source.shift[v] * s.turn[v])
         chord = 2 * radius * np.sin(np.minimum(s.sweep[v], np.pi) / 2)
         v = v[lost[v] & ((radius <= CORNER_UM) | (chord <= CORNER_UM))]
-        node = found.node0[pieces]
-        lost[v[_met(s.cx[v], s.cy[v], found.node_x[node], found.node_y[node])]] = False
+        node = loops.node0[pieces]
+        lost[v[_met(s.cx[v], s.cy[v], loops.node_x[node], loops.node_y[node])]] = False
         beside = np.flatnonzero(lost & ~self.inside)
         if 0 < len(beside) <= MANY:
-            lost[beside[_beside(source, raw, found, pieces, beside)]] = False
+            lost[beside[_beside(source, raw, loops, pieces, beside)]] = False
         #: Left out, and not negligibly.
         self.lost = lost
         #: First row of each contour and how many there are, for walks round it.
@@ -137,7 +137,7 @@ def _met(cx: Floats, cy: Floats, x: Floats, y: Floats) -> Bools:
     return met
 
 
-def _beside(source: Source, raw: Raw, found: Loops, pieces: Ints, rows: Ints) -> Bools:
+def _beside(source: Source, raw: Raw, loops: Loops, pieces: Ints, rows: Ints) -> Bools:
     """Return which segments the wire passes as near as if it reached them.
 
     Of a round hole drawn as a polygon many sides are left out near its radius, because neighbours
@@ -146,8 +146,8 @@ def _beside(source: Source, raw: Raw, found: Loops, pieces: Ints, rows: Ints) ->
     s = source.segments.take(rows)
     x, y = seg.points_at(s, 0.5 * s.length)
     wanted = np.abs(source.shift[rows]) + CORNER_UM
-    path = raw.elements.take(found.element[pieces])
-    at0, at1 = found.at0[pieces], found.at1[pieces]
+    path = raw.elements.take(loops.element[pieces])
+    at0, at1 = loops.at0[pieces], loops.at1[pieces]
     i, j = pairs.overlapping(
         (x - wanted, y - wanted, x + wanted, y + wanted), pairs.grow(seg.boxes(path), 0.0)
     )
@@ -162,22 +162,22 @@ def find_interference(
     outlines: Sequence[Contour],
     source: Source,
     raw: Raw,
-    found: Loops,
+    loops: Loops,
     runs: list[Ints],
     closed: list[bool],
 ) -> tuple[Interference, ...]:
     """Return the places where the path leaves out what was drawn, in order of the outlines.
 
     Args:
-        runs: the paths that are cut, as indices into the columns of ``found``.
+        runs: the paths that are cut, as indices into the columns of ``loops``.
         closed: for each of them.
     """
     pieces = np.concatenate([*runs, np.empty(0, np.int64)])
-    element = found.element[pieces]
+    element = loops.element[pieces]
     n = len(source.contour)
-    if found.whole and len(runs) == len(outlines):
+    if loops.whole and len(runs) == len(outlines):
         return ()
-    reach = _Reach(source, raw, found, pieces)
+    reach = _Reach(source, raw, loops, pieces)
     size = np.array([len(k) for k in runs], np.int64)
     last = np.cumsum(size) - 1
     nxt: Ints = np.append(element[1:], -1)
@@ -189,16 +189,16 @@ def find_interference(
     apart = (raw.following[element] != nxt) | (skips[element] & ~raw.transition[element])
     jump = np.flatnonzero((nxt >= 0) & apart & (element != nxt))
     e, f = element[jump], nxt[jump]
-    node = found.node0[after[jump]]
+    node = loops.node0[after[jump]]
     a, b = raw.source[e], _entered(source, raw, f)
     same = raw.contour[e] == raw.contour[f]
     matter, seen = reach.between(a, np.where(same, b, a))
     wanted = np.flatnonzero(~same | (matter > 0))
-    result = _findings(source, raw, found, reach, e[wanted], f[wanted], node[wanted], seen[wanted])
-    loops = np.zeros(len(outlines), np.int64)
+    result = _findings(source, raw, loops, reach, e[wanted], f[wanted], node[wanted], seen[wanted])
+    loop_counts = np.zeros(len(outlines), np.int64)
     for run in runs:
-        loops[np.flatnonzero(np.bincount(raw.contour[found.element[run]]))] += 1
-    result += [_vanished(source, number) for number in np.flatnonzero(loops == 0).tolist()]
+        loop_counts[np.flatnonzero(np.bincount(raw.contour[loops.element[run]]))] += 1
+    result += [_vanished(source, number) for number in np.flatnonzero(loop_counts == 0).tolist()]
     covered = np.zeros(n, bool)
     index = (
         {
@@ -212,19 +212,19 @@ def find_interference(
         covered[[index[item.outline, row] for row in item.rows if (item.outline, row) in index]] = (
             True
         )
-    for k in np.flatnonzero(reach.lost & ~covered & (loops[source.contour] > 0)).tolist():
+    for k in np.flatnonzero(reach.lost & ~covered & (loop_counts[source.contour] > 0)).tolist():
         if not covered[k]:
             group = np.flatnonzero((reach.stretch == reach.stretch[k]) & reach.lost)
             covered[group] = True
             result.append(_passage(source, reach, group, None))
     opened = {
-        int(raw.contour[found.element[k[0]]]) for k, c in zip(runs, closed, strict=True) if not c
+        int(raw.contour[loops.element[k[0]]]) for k, c in zip(runs, closed, strict=True) if not c
     }
     for number, contour in enumerate(outlines):
-        if not contour.closed and loops[number] and number not in opened:
+        if not contour.closed and loop_counts[number] and number not in opened:
             result.append(_cut_off(source, number))
     named = {item.outline for item in result}
-    for number in np.flatnonzero(loops > 1).tolist():
+    for number in np.flatnonzero(loop_counts > 1).tolist():
         if number not in named:
             result.append(
                 _passage(source, reach, np.flatnonzero(source.contour == number)[:1], None)
@@ -241,7 +241,7 @@ def _entered(source: Source, raw: Raw, f: Ints) -> Ints:
 
 
 def _findings(
-    source: Source, raw: Raw, found: Loops, reach: _Reach, e: Ints, f: Ints, node: Ints, seen: Ints
+    source: Source, raw: Raw, loops: Loops, reach: _Reach, e: Ints, f: Ints, node: Ints, seen: Ints
 ) -> list[Interference]:
     """Return one finding for each set of jumps that share a crossing or a left-out stretch."""
     a, b = raw.source[e], _entered(source, raw, f)
@@ -275,8 +275,8 @@ def _findings(
     for jumps in sets.values():
         m = min(jumps, key=lambda k: (int(raw.contour[e[k]]), int(a[k]), int(node[k])))
         at = (
-            float(found.node_x[node[m]] + source.origin[0]),
-            float(found.node_y[node[m]] + source.origin[1]),
+            float(loops.node_x[node[m]] + source.origin[0]),
+            float(loops.node_y[node[m]] + source.origin[1]),
         )
         number = int(raw.contour[e[m]])
         ids = sorted({int(s) for k in jumps for s in (ahead[k], behind[k]) if s >= 0})

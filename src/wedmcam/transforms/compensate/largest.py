@@ -29,7 +29,7 @@ FIRST_UM, FACTOR = 60.0, 4.0
 #: and at the very half all sides of a polygon about a circle meet in one place.
 BELOW_UM = 2.0
 #: A wire so little larger than a limit of whole um is still told to be at it, um.
-EXACT_UM = 0.05
+SEARCH_UM = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +51,8 @@ class Largest:
 
 
 def _whole(offset_um: float) -> int:
-    """Return the whole um above an offset that fits; it may be over the limit by `EXACT_UM`."""
-    return int(np.floor(offset_um - EXACT_UM + 1e-9)) + 1
+    """Return the whole um above an offset that fits; it may be over the limit by `SEARCH_UM`."""
+    return int(np.floor(offset_um - SEARCH_UM + 1e-9)) + 1
 
 
 def largest_offset(
@@ -81,9 +81,9 @@ def largest_offset(
     radius = _least_inside_radius(outlines, signs)
     size = _half_least_size(outlines, signs)
     # Where the limit often lies: tried on the way up, so that little is left to be searched.
-    likely = [size - BELOW_UM + EXACT_UM, size + BELOW_UM]
+    likely = [size - BELOW_UM + SEARCH_UM, size + BELOW_UM]
     if radius is not None:
-        likely += [radius.size, radius.size + CORNER_UM + EXACT_UM]
+        likely += [radius.size, radius.size + CORNER_UM + SEARCH_UM]
     low, high, worst = 0.0, limit_um, None
     while worst is None and low < limit_um:
         step = min([max(FIRST_UM, FACTOR * low), limit_um, *(one for one in likely if one > low)])
@@ -93,14 +93,14 @@ def largest_offset(
         else:
             high = step
     # Only whole um are told, and trials near the limit are slow: no more of them than needed.
-    least, most = _whole(low), int(np.ceil(high - EXACT_UM - 1e-9))
+    least, most = _whole(low), int(np.ceil(high - SEARCH_UM - 1e-9))
     while worst is not None and least < most:
         middle = (least + most) // 2
-        found = trouble(middle + EXACT_UM)
-        if found is None:
-            low, least = middle + EXACT_UM, middle + 1
+        problem = trouble(middle + SEARCH_UM)
+        if problem is None:
+            low, least = middle + SEARCH_UM, middle + 1
         else:
-            most, worst = middle, found
+            most, worst = middle, problem
     if worst is not None and radius is not None and 0 <= low - radius.size <= CORNER_UM:
         return Largest(radius.size, radius)  # a fillet up to half a step smaller is a corner
     return Largest(low, worst)

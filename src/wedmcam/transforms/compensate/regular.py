@@ -26,7 +26,7 @@ from wedmcam.transforms.compensate.resolve import SLIVER_UM
 Column = TypeVar("Column", Floats, Ints)
 
 #: Below this offset a corner's gap is too small to be told from a tangent joint; um.
-LEAST_UM = 5.0
+LEAST_OFFSET_UM = 5.0
 #: Radii below this after the shift are looked at more closely; um.
 RADIUS_UM = 0.1
 #: Below so many segments there is nothing to gain.
@@ -43,7 +43,7 @@ def regular_paths(
     count = np.array([len(c.vertices) for c in outlines])
     if count.sum() < LEAST_SEGMENTS or count.min() < 3:
         return None
-    if not all(c.closed for c in outlines) or min(abs(s) for s in shifts) < LEAST_UM:
+    if not all(c.closed for c in outlines) or min(abs(s) for s in shifts) < LEAST_OFFSET_UM:
         return None
     v = (
         outlines[0].vertices

@@ -190,23 +190,23 @@ def resolve(source: Source, raw: Raw, limits: Limits) -> Loops:
         np.column_stack(mid),
         walls,
     )
-    return _judged(raw, _without_slivers(source, raw, found))
+    return _judge_loops(raw, _without_slivers(source, raw, found))
 
 
-def _judged(raw: Raw, found: Loops) -> Loops:
+def _judge_loops(raw: Raw, loops: Loops) -> Loops:
     """Return the loops, the first pieces of those that do not turn once round marked as lost.
 
     A loop that crosses itself is wrong, however well its pieces fit together.
     """
-    if len(found.lost) or not found.loops:
-        return found
-    k = np.concatenate(found.loops)
-    size = np.array([len(loop) for loop in found.loops], np.int64)
+    if len(loops.lost) or not loops.loops:
+        return loops
+    k = np.concatenate(loops.loops)
+    size = np.array([len(loop) for loop in loops.loops], np.int64)
     begin = np.cumsum(size) - size
     after = np.arange(1, len(k) + 1)
     after[begin + size - 1] = begin
-    e = raw.elements.take(found.element[k])
-    at0, at1 = found.at0[k], found.at1[k]
+    e = raw.elements.take(loops.element[k])
+    at0, at1 = loops.at0[k], loops.at1[k]
     t0x, t0y = seg.tangents_at(e, at0)
     t1x, t1y = seg.tangents_at(e, at1)
     n0x, n0y = t0x[after], t0y[after]
@@ -215,12 +215,12 @@ def _judged(raw: Raw, found: Loops) -> Loops:
     total = np.abs(np.add.reduceat(arc + turn, begin))
     # Straight back may be to the left or to the right.
     back = np.maximum.reduceat(np.abs(turn), begin) > np.pi - 1e-3
-    wrong = np.array(found.closed, bool) & ~back & (np.abs(total - seg.TAU) > 0.1)
+    wrong = np.array(loops.closed, bool) & ~back & (np.abs(total - seg.TAU) > 0.1)
     if not wrong.any():
-        return found
+        return loops
     lost = k[begin[wrong]]
-    where = np.column_stack([found.node_x[found.node0[lost]], found.node_y[found.node0[lost]]])
-    return replace(found, lost=lost, lost_at=where)
+    where = np.column_stack([loops.node_x[loops.node0[lost]], loops.node_y[loops.node0[lost]]])
+    return replace(loops, lost=lost, lost_at=where)
 
 
 def _free(source: Source, raw: Raw, p: _Pieces, which: Ints) -> NDArray[np.bool_]:
@@ -519,7 +519,7 @@ def _choose(
             gone.add(after)
 
 
-def _without_slivers(source: Source, raw: Raw, found: Loops) -> Loops:
+def _without_slivers(source: Source, raw: Raw, loops: Loops) -> Loops:
     """Drop loops without a width.
 
     Coincident walls run along once in each direction; a hole a hair wider than the wire leaves its
@@ -527,33 +527,33 @@ def _without_slivers(source: Source, raw: Raw, found: Loops) -> Loops:
     """
     keep: list[Ints] = []
     closed: list[bool] = []
-    areas, lengths = _areas_and_lengths(raw, found)
+    areas, lengths = _areas_and_lengths(raw, loops)
     short = [k for k, length in enumerate(lengths) if length < SHORT_UM]
-    small = _too_small(raw, found, short)
+    small = _too_small(raw, loops, short)
     for k, (loop, is_closed, area, length) in enumerate(
-        zip(found.loops, found.closed, areas, lengths, strict=True)
+        zip(loops.loops, loops.closed, areas, lengths, strict=True)
     ):
         if is_closed:
             if abs(area) < SLIVER_UM * length or k in small:
                 continue
-            element = found.element[loop]
-            if not found.whole and raw.transition[element].all():
-                x, y = seg.points_at(raw.elements.take(element[:1]), found.at0[loop[:1]])
+            element = loops.element[loop]
+            if not loops.whole and raw.transition[element].all():
+                x, y = seg.points_at(raw.elements.take(element[:1]), loops.at0[loop[:1]])
                 if not on_free_side(source, int(raw.contour[element[0]]), x, y).all():
                     continue
         keep.append(loop)
         closed.append(is_closed)
-        found.areas.append(area if is_closed else 0.0)
-    whole = found.whole and len(keep) == len(found.loops)
-    return replace(found, loops=keep, closed=closed, whole=whole)
+        loops.areas.append(area if is_closed else 0.0)
+    whole = loops.whole and len(keep) == len(loops.loops)
+    return replace(loops, loops=keep, closed=closed, whole=whole)
 
 
-def _too_small(raw: Raw, found: Loops, which: list[int]) -> set[int]:
+def _too_small(raw: Raw, loops: Loops, which: list[int]) -> set[int]:
     """Return which loops are nowhere wider than a step, by the boxes of a few of their places."""
     small: set[int] = set()
     for number in which:
-        loop = found.loops[number]
-        e, at0, at1 = raw.elements.take(found.element[loop]), found.at0[loop], found.at1[loop]
+        loop = loops.loops[number]
+        e, at0, at1 = raw.elements.take(loops.element[loop]), loops.at0[loop], loops.at1[loop]
         places = [seg.points_at(e, at0 + share * (at1 - at0)) for share in (0.0, 0.25, 0.5, 0.75)]
         if (
             max(float(np.ptp(each)) for each in map(np.concatenate, zip(*places, strict=True)))
@@ -563,19 +563,19 @@ def _too_small(raw: Raw, found: Loops, which: list[int]) -> set[int]:
     return small
 
 
-def _areas_and_lengths(raw: Raw, found: Loops) -> tuple[list[float], list[float]]:
+def _areas_and_lengths(raw: Raw, loops: Loops) -> tuple[list[float], list[float]]:
     """Return the signed area (um^2) and the length (um) of each loop."""
-    if not found.loops:
+    if not loops.loops:
         return [], []
-    loop = np.concatenate(found.loops)
-    begin = np.cumsum([0, *(len(k) for k in found.loops[:-1])])
-    element = found.element[loop]
+    loop = np.concatenate(loops.loops)
+    begin = np.cumsum([0, *(len(k) for k in loops.loops[:-1])])
+    element = loops.element[loop]
     e = raw.elements
-    if len(element) != len(e) or not found.whole:
+    if len(element) != len(e) or not loops.whole:
         e = e.take(element)
-    at0, at1 = found.at0[loop], found.at1[loop]
-    n0, n1 = found.node0[loop], found.node1[loop]
-    x0, y0, x1, y1 = found.node_x[n0], found.node_y[n0], found.node_x[n1], found.node_y[n1]
+    at0, at1 = loops.at0[loop], loops.at1[loop]
+    n0, n1 = loops.node0[loop], loops.node1[loop]
+    x0, y0, x1, y1 = loops.node_x[n0], loops.node_y[n0], loops.node_x[n1], loops.node_y[n1]
     long = at1 - at0
     sweep = np.where(e.radius > 0, long / np.where(e.radius > 0, e.radius, 1.0), 0.0)
     lune = e.radius**2 * (sweep - np.sin(sweep)) * e.turn

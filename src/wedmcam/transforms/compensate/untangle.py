@@ -129,18 +129,18 @@ def _near_pairs(source: Source) -> tuple[Ints, Ints, Floats]:
     n = len(source.following)
     i = np.arange(n)
     j, between = i.copy(), np.zeros(n)
-    found: list[tuple[Ints, Ints, Floats]] = []
+    near: list[tuple[Ints, Ints, Floats]] = []
     for step in range(AHEAD):
         if step:
             between = between + source.segments.length[j]
         j = source.following[j]
         going = (j >= 0) & (j != i) & (between < LOOP_UM)
         i, j, between = i[going], j[going], between[going]
-        found.append((i, j, between))
+        near.append((i, j, between))
     return (
-        np.concatenate([f[0] for f in found]),
-        np.concatenate([f[1] for f in found]),
-        np.concatenate([f[2] for f in found]),
+        np.concatenate([f[0] for f in near]),
+        np.concatenate([f[1] for f in near]),
+        np.concatenate([f[2] for f in near]),
     )
 
 

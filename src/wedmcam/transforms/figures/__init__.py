@@ -72,11 +72,11 @@ def transformed(
     findings: list[Diagnostic] = []
     if isinstance(transform, Sequence):
         for part in transform.transforms:
-            made, more = transformed(figure, part, ar, points)
+            image, more = transformed(figure, part, ar, points)
             findings += more
-            if made is None:
+            if image is None:
                 return None, findings
-            figure, points = made
+            figure, points = image
         return (figure, points), findings
     if isinstance(transform, Reverse):
         return (tuple(c.reversed() for c in reversed(figure)), points), findings
@@ -149,10 +149,10 @@ def _with(
         isinstance(transform.transform, Translate | Rotate) and transform.transform.copies
     ):
         return transformed(figure, transform.transform, ar, points)  # keeps the figure by itself
-    made, findings = transformed(figure, transform.transform, ar, points)
-    if made is None:
+    result, findings = transformed(figure, transform.transform, ar, points)
+    if result is None:
         return None, findings
-    image, spots = made
+    image, spots = result
     if _turns_over(transform.transform):
         image = tuple(c.reversed() for c in reversed(image))
     image = tuple(Contour(c.vertices, c.closed, numbered(c.sources, 1)) for c in image)

@@ -29,20 +29,20 @@ def shape_cuts(
         ar: the arithmetic of the formulas.
     """
     shaped: list[ShapedCut] = []
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     built: dict[int, tuple[Contour, ...] | None] = {}
     for item in part.cuts:
         key = id(item.shape)
         if key not in built:
             built[key], problems = _figure(item, ar)
-            found += problems
+            findings += problems
         figure = built[key]
         if figure is None:
             continue
         spots = tuple(ThreadPoint(*p) for p in (item.start, item.enter) if p is not None)
         if more:
             moved, problems = figures.transformed(figure, Stages(tuple(more)), ar, spots)
-            found += problems
+            findings += problems
             if moved is None:
                 continue
             figure, spots = moved
@@ -50,12 +50,12 @@ def shape_cuts(
         enter = None if item.enter is None else spots[-1]
         stages = [*(stage for stage, _ in item.shape.stages), *more]
         shaped.append(ShapedCut(item, figure, starts, enter, direction.clockwise(figure, stages)))
-    return (None if has_errors(found) else tuple(shaped)), found
+    return (None if has_errors(findings) else tuple(shaped)), findings
 
 
 def _figure(item: CutItem, ar: Arithmetic) -> tuple[tuple[Contour, ...] | None, list[Diagnostic]]:
-    figure, found = figures.join_chains(item.shape.chains)
-    out = [d for d in found if d.severity > Severity.NOTE]
+    figure, findings = figures.join_chains(item.shape.chains)
+    out = [d for d in findings if d.severity > Severity.NOTE]
     for stage, span in item.shape.stages:
         moved, problems = figures.transformed(figure, stage, ar)
         out += [d if d.span is not None else replace(d, span=span) for d in problems]
@@ -66,7 +66,7 @@ def _figure(item: CutItem, ar: Arithmetic) -> tuple[tuple[Contour, ...] | None, 
 
 
 def sketch_of(part: Part, cuts: Sequence[ShapedCut]) -> tuple[Sketch, tuple[Contour, ...]]:
-    """Return what is told of a part program: its unit, names and thread points, its contours."""
+    """Return the facts of a part program: its unit, names and thread points, its contours."""
     contours: list[Contour] = []
     for w in cuts:
         contours += [c for c in w.figure if not any(c is known for known in contours)]

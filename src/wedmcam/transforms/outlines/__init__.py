@@ -286,7 +286,7 @@ def _part_at_pause(
         refusal = error(
             "compensation-place",
             "the contour that is threaded at {thread}: the pause of --stop at {pause} is on the "
-            "arc round a corner, inside of which the controller has no block",
+            "arc round a corner, and the controller has no block inside that arc",
             _span(cut),
             points_mm=(_thread(cut),),
             hint="another length of --stop",

@@ -23,8 +23,8 @@ from wedmcam.transforms.plan.paths import PlannedPath
 
 #: A foot this near to a vertex is the vertex; um.
 VERTEX_UM = 0.5
-#: Joints that tear by less than this when their segments are offset are tangent; um.
-TORN_UM = 0.25
+#: A start may lie at a joint that tears by less than this when its segments are offset, um.
+TANGENT_START_UM = 0.25
 #: How far the start of a path may be from the offset of its outline; um.
 BESIDE_UM = 0.05
 #: An outline starts at least this far from a corner, or in the middle of what is shorter; um.
@@ -32,7 +32,7 @@ FROM_CORNER_UM = 300.0
 #: A start may move so far along its segment to a place that is nearly on the grid, um.
 SLIDE_UM = 60
 #: A start is near enough to the grid when its segment passes it by this, um.
-NEAR_UM = 0.02
+ON_GRID_UM = 0.02
 #: A circle is written so much too far from the part, in steps of the grid: its centre may be off on
 #: all sides, and 2.0 um are allowed beside the part, 1.6 in it.
 CIRCLE_UM = 0.2
@@ -117,7 +117,7 @@ def _slide(cut: Cut, s: Segments, drawn: Segments, foot: Foot, offset: float, gr
         wanted = one.radius[0] + away * (offset + CIRCLE_UM * grid.step_um)
         off = np.abs(np.hypot(gx - centre[0], gy - centre[1]) - wanted)
         off += 0.3 * np.maximum(np.abs(reach - one.radius[0]) - 0.3, 0.0)
-    good = np.flatnonzero(off <= (0.1 if round_ else NEAR_UM))
+    good = np.flatnonzero(off <= (0.1 if round_ else ON_GRID_UM))
     best = int(good[0]) if len(good) else int(np.argmin(off))
     if at[best] == foot.at:
         return cut
@@ -164,7 +164,7 @@ def foot_of(s: Segments, x: float, y: float, offset: float, closed: bool) -> Foo
         before = (row - 1) % n
         ax, ay = (float(c[before]) for c in seg.end_tangents(s))
         bx, by = (float(c[row]) for c in seg.start_tangents(s))
-        if abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) * offset > TORN_UM:
+        if abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) * offset > TANGENT_START_UM:
             return None
     qx, qy = seg.points_at(s.take(np.array([row])), np.array([at]))
     return Foot(row, at, float(qx[0]), float(qy[0]))

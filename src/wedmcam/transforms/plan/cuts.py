@@ -23,7 +23,7 @@ def cuts_of(
     planned: Scene,
     number: int,
     paths: Sequence[PlannedPath],
-    asked: Sequence[ShapedCut],
+    shaped_cuts: Sequence[ShapedCut],
     leading: Leading,
     used: Used,
     words: Wording,
@@ -35,7 +35,7 @@ def cuts_of(
         planned: the same as the plan has it, ``number`` in its scenes.
         number: see there.
         paths: of the wire.
-        asked: all cuts of the source.
+        shaped_cuts: all cuts of the source.
         leading: says what a cut does not.
         used: takes up what had an effect.
         words: of the source.
@@ -46,20 +46,20 @@ def cuts_of(
     own: dict[int, set[int]] = {p.cut: set() for p in scene.pieces}
     for k, n in enumerate(cut_of):
         own[n].add(k)
-    threads = [start for n in own for start in asked[n].starts]
-    only: list[Collection[int]] = [mine for n, mine in own.items() for _ in asked[n].starts]
+    threads = [start for n in own for start in shaped_cuts[n].starts]
+    only: list[Collection[int]] = [mine for n, mine in own.items() for _ in shaped_cuts[n].starts]
     if scene.starts is not None:
         threads, only = list(scene.starts), [range(len(paths))] * len(scene.starts)
-    threaded, found = lead(paths, threads, leading.lead_um, only, words.thread_point)
+    threaded, findings = lead(paths, threads, leading.lead_um, only, words.thread_point)
     if threaded is None:
-        return [], found
+        return [], findings
     parents = parents_of([p.contour for p in paths], scene.nesting.parents)
     drawn = [int(p.outline.vertices["source"].min(initial=1 << 30)) for p in paths]
     # A part program cuts every scene inner contours first: one cut of it speaks for all.
-    how = asked[cut_of[0]].order
-    made = []
+    how = shaped_cuts[cut_of[0]].order
+    cuts = []
     for k in order(parents, [t.thread for t in threaded], drawn, how):
-        path, one, item = paths[k], threaded[k], asked[cut_of[k]].item
+        path, one, item = paths[k], threaded[k], shaped_cuts[cut_of[k]].item
         closed = one.path.closed
         stop = item.stop if item.stop is not None else leading.stop_um
         over = item.overcut if item.overcut is not None else leading.overcut_um
@@ -81,43 +81,47 @@ def cuts_of(
             one.stated,
             scene.pieces[path.contour].clearance,
         )
-        made.append((cut_of[k], cut))
+        cuts.append((cut_of[k], cut))
         if item.lead is not None and not one.measured:
-            found.append(_idle_lead(asked[cut_of[k]]))
-    found += _too_long(made, asked, words)
+            findings.append(_idle_lead(shaped_cuts[cut_of[k]]))
+    findings += _too_long(cuts, shaped_cuts, words)
     for n, mine in own.items():
         turned = [paths[k] for k in sorted(mine) if _turned(paths[k], threaded[k])]
-        found += _overruled(turned, asked[n], leading.reverse and used.wished("reverse"), words)
-    return made, found
+        findings += _overruled(
+            turned, shaped_cuts[n], leading.reverse and used.wished("reverse"), words
+        )
+    return cuts, findings
 
 
-def _idle_lead(asked: ShapedCut) -> Diagnostic:
+def _idle_lead(cut: ShapedCut) -> Diagnostic:
     """Return a warning on the 'lead' of a cut that is entered from elsewhere."""
     return warning(
         "wed-option",
         "'lead' has no effect: the cut is entered from its start"
-        if asked.starts
+        if cut.starts
         else "'lead' has no effect: the cut is entered from the centre of the circle",
-        asked.item.span,
+        cut.item.span,
     )
 
 
 def _overruled(
-    turned: Sequence[PlannedPath], asked: ShapedCut, reverse: bool, words: Wording
+    turned: Sequence[PlannedPath], cut: ShapedCut, reverse: bool, words: Wording
 ) -> list[Diagnostic]:
     """Return a warning where open paths of a cut are run the other way than was asked for."""
-    said = ["--reverse"] if reverse else []
-    said += ["'reverse'"] if any(isinstance(t, Reverse) for t, _ in asked.item.shape.stages) else []
-    if not said or not turned:
+    options = ["--reverse"] if reverse else []
+    options += (
+        ["'reverse'"] if any(isinstance(t, Reverse) for t, _ in cut.item.shape.stages) else []
+    )
+    if not options or not turned:
         return []
     return [
         warning(
             words.idle,
             "{option} has no effect: an open contour is run from the end that is nearer to its "
             "thread point",
-            asked.item.span or turned[0].path.source_of(0),
+            cut.item.span or turned[0].path.source_of(0),
             count=len(turned),
-            option=said[0],
+            option=options[0],
         )
     ]
 
@@ -131,26 +135,26 @@ def _turned(planned: PlannedPath, one: Threaded) -> bool:
 
 
 def _too_long(
-    made: Sequence[tuple[int, Cut]], asked: Sequence[ShapedCut], words: Wording
+    cuts: Sequence[tuple[int, Cut]], shaped_cuts: Sequence[ShapedCut], words: Wording
 ) -> list[Diagnostic]:
     """Return errors where a stop or an overcut is longer than the path."""
-    found = []
+    findings = []
     for name in ("stop", "overcut"):
-        for number, cut in made:
+        for number, cut in cuts:
             length = cut.stop_um if name == "stop" else cut.overcut_um
             if not length:
                 continue
             whole = measure.length(cut.path.vertices, cut.path.closed)
             if length < whole - 1.0:
                 continue
-            found.append(
+            findings.append(
                 error(
                     f"{name}-too-long",
                     "'{option}' of {length_mm:.3f} mm is longer than the path of {path_mm:.3f} mm"
                     if words.of_part
                     else "--{option} {length_mm:.3f} mm is longer than the path of {path_mm:.3f} "
                     "mm that starts at {start}",
-                    asked[number].item.span or cut.path.source_of(0),
+                    shaped_cuts[number].item.span or cut.path.source_of(0),
                     hint="a shorter {option}" if words.of_part else "a shorter --{option}",
                     option=name,
                     length_mm=length / 1000,
@@ -158,4 +162,4 @@ def _too_long(
                     start=Place.of_um(*cut.thread),
                 )
             )
-    return found
+    return findings

@@ -62,12 +62,12 @@ def cuts_of_drawing(
         ),
     )
     order = leading.order or Order.INNER_FIRST
-    found = [d for group in groups for d in _unfit(group, join_um)]
+    findings = [d for group in groups for d in _unfit(group, join_um)]
     if len(groups) == 1:
         (group,) = groups
         item = _item(group.rule)
         cut = ShapedCut(item, group.contours, starts, order=order, nesting=nesting)
-        return (cut,), [*found, *_behind(group, cutting)]
+        return (cut,), [*findings, *_behind(group, cutting)]
     dies = [c for g in groups if g.rule.side is Side.DIE for c in g.contours if c.closed]
     parted: list[tuple[Group, int, tuple[Contour, ...]]] = []
     for group in groups:
@@ -76,7 +76,7 @@ def cuts_of_drawing(
             mine = tuple(c for k, c in enumerate(group.contours) if (k in punch) == bool(plate))
             if mine:
                 parted.append((group, plate, mine))
-        found += _behind(group, cutting)
+        findings += _behind(group, cutting)
     cuts = []
     for group, plate, mine in parted:
         others = [
@@ -96,7 +96,7 @@ def cuts_of_drawing(
             of_drawing=True,
         )
         cuts.append(own)
-    return tuple(cuts), [*found, *_plates(cuts)]
+    return tuple(cuts), [*findings, *_plates(cuts)]
 
 
 def _nested(mine: tuple[Contour, ...], others: Sequence[Contour]) -> Nesting:
@@ -139,12 +139,12 @@ def _within(contours: Sequence[Contour], dies: Sequence[Contour]) -> set[int]:
         return set()
     boxes = measure.extents_of_all([(c.vertices, c.closed) for c in (*contours, *dies)])
     mine, theirs = boxes[: len(contours)], boxes[len(contours) :]
-    found = set()
+    numbers = set()
     for k, box in enumerate(mine):
         same = np.abs(theirs - box).max(axis=1) < EQUAL_UM
         if same.any() or any(d > 0 for d in nest((contours[k], *dies)).depths[:1]):
-            found.add(k)
-    return found
+            numbers.add(k)
+    return numbers
 
 
 def _plates(cuts: Sequence[ShapedCut]) -> list[Diagnostic]:
@@ -205,15 +205,15 @@ def _unfit(group: Group, join_um: float) -> list[Diagnostic]:
     outline must not become a cut with a gap. Closed ones refuse left and right: their direction is
     an accident of the CAD program.
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     contours, side, stated = group.contours, group.rule.side, group.rule.stated
     if side in (Side.PART, Side.DIE) or not stated:
         opened = [merge_arcs(c) for c in contours if not c.closed]
-        found += open_contour_findings(opened, join_um)
+        findings += open_contour_findings(opened, join_um)
     if side in (Side.LEFT, Side.RIGHT):
         for c in (merge_arcs(c) for c in contours if c.closed):
             start = Place.of_um(c.vertices["x"][0], c.vertices["y"][0])
-            found.append(
+            findings.append(
                 error(
                     "closed-left-right",
                     "the closed contour at {start} has an inside and an outside, not a {side} side",
@@ -225,7 +225,7 @@ def _unfit(group: Group, join_um: float) -> list[Diagnostic]:
                 )
             )
     if side is Side.ON and not stated and contours:
-        found.append(
+        findings.append(
             warning(
                 "no-offset",
                 "no offset is given: the wire runs on the line, and the part will be smaller by "
@@ -233,4 +233,4 @@ def _unfit(group: Group, join_um: float) -> list[Diagnostic]:
                 hint="--offset, or --wire and --gap; --side on says that it is meant",
             )
         )
-    return found
+    return findings

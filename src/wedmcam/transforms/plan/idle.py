@@ -47,11 +47,11 @@ class Used:
     """Names of the fields of the options that had an effect; stages add to it.
 
     Attributes:
-        asked_for: names of the fields that were asked for.
+        wishes: names of the fields that were asked for.
         names: of those that had an effect.
     """
 
-    asked_for: Set[str] = frozenset()
+    wishes: Set[str] = frozenset()
     names: set[str] = field(default_factory=set)
 
     def add(self, name: str, when: bool = True) -> None:
@@ -61,7 +61,7 @@ class Used:
 
     def wished(self, name: str) -> bool:
         """Return whether a field was asked for; a default of a shop is no wish."""
-        return name in self.asked_for
+        return name in self.wishes
 
 
 def of_source(part: Part, units: str | None, wished: Set[str]) -> list[Diagnostic]:

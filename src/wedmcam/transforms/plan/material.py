@@ -20,7 +20,7 @@ def thin_material(scenes: Sequence[PieceScene], below_um: float) -> list[Diagnos
         below_um: kept material thinner than this is a warning; 0 for none.
     """
     pieces = [(number, piece) for number, scene in enumerate(scenes) for piece in scene.pieces]
-    found, close_pairs = thin(
+    findings, close_pairs = thin(
         [piece.contour for _, piece in pieces],
         [piece.outside for _, piece in pieces],
         [number for number, _ in pieces],
@@ -31,10 +31,10 @@ def thin_material(scenes: Sequence[PieceScene], below_um: float) -> list[Diagnos
         contours = [p.contour for p in scene.pieces]
         inside = [runs_outside(depth, part) for depth in scene.nesting.depths]
         small, are_small = specks(contours, inside, [p.offset + p.clearance for p in scene.pieces])
-        found += small
+        findings += small
         rows = [k for k, c in enumerate(contours) if c.closed and not are_small[k]]
         chosen, numbers = [contours[k] for k in rows], [first + k for k in rows]
         taken = [scene.pieces[k].clearance for k in rows]
-        found += thin_walls(chosen, part, below_um, numbers, close_pairs, taken)
+        findings += thin_walls(chosen, part, below_um, numbers, close_pairs, taken)
         first += len(contours)
-    return found
+    return findings

@@ -64,7 +64,7 @@ class Cutting:
             names = [name.casefold() for name, _ in stated]
             for name in names:
                 if not name or names.count(name) > 1:
-                    what = "is said twice" if name else "names no layer"
+                    what = "is named twice" if name else "names no layer"
                     raise WrongUse(f"--layer-{option} {name}: {what}")
         for name, um in self.layer_offsets:
             if um <= 0:
@@ -88,7 +88,7 @@ class Cutting:
                 raise WrongUse(f"--layer-side {name}={side} needs an offset")
 
     def check_clearance(self) -> None:
-        """Refuse a clearance that nobody takes.
+        """Refuse a clearance that no contour takes.
 
         Raises:
             WrongUse: with what would take it.

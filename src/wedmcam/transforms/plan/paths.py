@@ -61,17 +61,17 @@ def planned_paths(
     """Return the wire paths of a scene, each in the direction in which the wire runs it."""
     contours = [p.contour for p in scene.pieces]
     shifts = [p.shift for p in scene.pieces]
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     sided = scene.pieces[0].outside is not None
     if any(shifts):
-        result, found = compensate(contours, shifts, arithmetic=ar, sharp=cutting.sharp)
-        if found:
-            return None, found
-        found += interference(contours, shifts, result.interference, cutting.trim)
+        result, findings = compensate(contours, shifts, arithmetic=ar, sharp=cutting.sharp)
+        if findings:
+            return None, findings
+        findings += interference(contours, shifts, result.interference, cutting.trim)
         rounded = any(p.rounded for p in scene.pieces)
         if result.inner_corners and result.paths and sided and not rounded:
             wire = max(p.offset + p.clearance for p in scene.pieces)
-            found.append(_inner_corners(result.inner_corners, wire, words))
+            findings.append(_inner_corners(result.inner_corners, wire, words))
         paths = [(p.outline, p.path) for p in result.paths]
     else:
         paths = list(enumerate(contours))
@@ -89,7 +89,7 @@ def planned_paths(
             cuts[piece.cut].enter,
         )
         planned.append(_run(one, piece))
-    return (None if has_errors(found) else planned), found
+    return (None if has_errors(findings) else planned), findings
 
 
 def _run(planned: PlannedPath, piece: Piece) -> PlannedPath:
@@ -131,7 +131,7 @@ def interference(
     offset = max(map(abs, shifts)) / 1000
     cures: dict[int, _Cure] = {}
     alone: set[int] = set()  # those that would fit without their neighbours
-    found = []
+    findings = []
     for item in places[:LISTED_PLACES]:
         contour = contours[item.outline]
         if item.outline not in cures:
@@ -143,14 +143,14 @@ def interference(
             # Trimmed, nothing is left of a contour that vanishes.
             trims = not trim and item.kind != "vanished"
             cures[item.outline] = _Cure(most / 1000, fits, trims)
-        found.append(
+        findings.append(
             _interference(item, contour, offset, trim, cures[item.outline], item.outline in alone)
         )
     if len(places) > LISTED_PLACES:
         make = warning if trim else error
         more = len(places) - LISTED_PLACES
-        found.append(make("interference", "{count} further places like these", count=more))
-    return found
+        findings.append(make("interference", "{count} further places like these", count=more))
+    return findings
 
 
 @dataclass(frozen=True, slots=True)

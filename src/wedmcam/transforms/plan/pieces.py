@@ -63,11 +63,11 @@ def pieces_of(
     number: int, cut: ShapedCut, cutting: Cutting, reverse: bool, ar: Arithmetic, used: Used
 ) -> tuple[list[Piece], list[Diagnostic]]:
     """Return the contours of cut ``number`` with the side on which the wire runs."""
-    item, found = cut.item, []
+    item, findings = cut.item, []
     side = item.side
     offset = item.offset if item.offset is not None else cutting.offset_um
     if side != "on" and not offset:
-        found.append(
+        findings.append(
             error(
                 "no-cut-offset",
                 "'{side}' needs an offset: how far the wire's centre runs from the outline",
@@ -76,7 +76,7 @@ def pieces_of(
                 side=side,
             )
         )
-        return [], found
+        return [], findings
     offset = 0.0 if side == "on" else float(offset or 0.0) - item.clearance
     used.add("offset_um", side != "on" and item.offset is None)
     used.add("corner_um", item.corner is None)
@@ -84,7 +84,7 @@ def pieces_of(
         used.add(name, offset != 0)
     corner = item.corner if item.corner is not None else cutting.corner_um
     if 0 < corner < offset:
-        found.append(
+        findings.append(
             error(
                 "wed-value",
                 "corner {corner_mm:.3f} mm is below the offset {offset_mm:.3f} mm: the wire could "
@@ -94,17 +94,17 @@ def pieces_of(
                 offset_mm=offset / 1000,
             )
         )
-        return [], found
+        return [], findings
     figure = [merge_arcs(c) for c in cut.figure]
     if side in ("inside", "outside") and cut.nesting is None:
-        found += [_open(c, side, item.span) for c in figure if not c.closed]
+        findings += [_open(c, side, item.span) for c in figure if not c.closed]
         figure = list(figures.counter_clockwise(figure))
-    found += _for_closed_only(cut, figure)
+    findings += _for_closed_only(cut, figure)
     if corner:
         figure, problems = round_corners(figure, corner, ar)
-        found += problems
-    if has_errors(found):
-        return [], found
+        findings += problems
+    if has_errors(findings):
+        return [], findings
     depths = (nest(figure) if cut.nesting is None else cut.nesting).depths
     pieces = []
     for k, (c, depth) in enumerate(zip(figure, depths, strict=True)):
@@ -131,22 +131,22 @@ def pieces_of(
                 corner > 0,
             )
         )
-    return pieces, found
+    return pieces, findings
 
 
 def _for_closed_only(cut: ShapedCut, figure: list[Contour]) -> list[Diagnostic]:
     """Return errors for clauses of a cut that need closed contours, or a single one."""
-    item, found = cut.item, []
+    item, findings = cut.item, []
     if item.stop and not all(c.closed for c in figure):
-        found.append(
+        findings.append(
             error("wed-value", "a stop is for closed contours; this one is open", item.span)
         )
     if item.overcut and not all(c.closed for c in figure):
-        found.append(
+        findings.append(
             error("wed-value", "an overcut is for closed contours; this one is open", item.span)
         )
     if cut.enter is not None and len(figure) > 1:
-        found.append(
+        findings.append(
             error(
                 "wed-value",
                 "'enter' is for one contour; this figure has {contours}",
@@ -155,7 +155,7 @@ def _for_closed_only(cut: ShapedCut, figure: list[Contour]) -> list[Diagnostic]:
                 contours=len(figure),
             )
         )
-    return found
+    return findings
 
 
 def _open(c: Contour, side: str, span: TextSpan | None) -> Diagnostic:

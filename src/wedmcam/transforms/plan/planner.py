@@ -21,7 +21,7 @@ from wedmcam.transforms.plan.wording import Wording
 
 
 def plan_cuts(
-    asked: Sequence[ShapedCut],
+    shaped_cuts: Sequence[ShapedCut],
     cutting: Cutting,
     leading: Leading,
     ar: Arithmetic,
@@ -31,7 +31,7 @@ def plan_cuts(
     """Return where the wire goes, cut by cut in the order in which they are asked for.
 
     Args:
-        asked: what is cut and how; a drawing is one cut.
+        shaped_cuts: what is cut and how; a drawing is one cut.
         cutting: says what a cut does not.
         leading: likewise.
         ar: the arithmetic of the formulas.
@@ -39,30 +39,32 @@ def plan_cuts(
         wished: names of the fields that were asked for.
     """
     used = Used(wished)
-    scenes, found = scenes_to_cut(asked, cutting, leading.reverse, ar, used)
+    scenes, findings = scenes_to_cut(shaped_cuts, cutting, leading.reverse, ar, used)
     if scenes is None:
-        return None, found
+        return None, findings
     cuts: list[tuple[int, Cut]] = []
     planned: list[Scene] = []
     first = 0
     for number, scene in enumerate(scenes):
-        planned.append(scene.as_planned(asked, first))
+        planned.append(scene.as_planned(shaped_cuts, first))
         first += len(scene.pieces)
-        paths, problems = planned_paths(scene, asked, cutting, ar, words)
-        found += problems
+        paths, problems = planned_paths(scene, shaped_cuts, cutting, ar, words)
+        findings += problems
         if paths is None:
             continue
-        some, problems = cuts_of(scene, planned[-1], number, paths, asked, leading, used, words)
+        some, problems = cuts_of(
+            scene, planned[-1], number, paths, shaped_cuts, leading, used, words
+        )
         cuts += some
-        found += problems
-    if len(scenes) > 1 and not has_errors(found):
+        findings += problems
+    if len(scenes) > 1 and not has_errors(findings):
         every = [cut for _, cut in cuts]
         threaded = [Threaded(cut.path, cut.thread) for cut in every]
         plates = [planned[cut.scene].plate for cut in every]
-        found += across(threaded, outline_numbers(every), plates, words.thread_point)
-        found += beside(planned, every)
-    if has_errors(found):
-        return None, found
+        findings += across(threaded, outline_numbers(every), plates, words.thread_point)
+        findings += beside(planned, every)
+    if has_errors(findings):
+        return None, findings
     if not cuts:
         offset = max((o for scene in planned for o in scene.offsets), default=0.0)
         nothing = error(
@@ -73,32 +75,32 @@ def plan_cuts(
             hint=None if words.of_part else "a smaller offset",
             offset_mm=offset / 1000,
         )
-        return None, [*found, nothing]
-    found += of_path(used, cutting, leading, words)
-    if not asked[0].of_drawing:  # a drawing states no order, its scenes are in theirs
+        return None, [*findings, nothing]
+    findings += of_path(used, cutting, leading, words)
+    if not shaped_cuts[0].of_drawing:  # a drawing states no order, its scenes are in theirs
         cuts.sort(key=lambda numbered: numbered[0])
-    return Plan(tuple(cut for _, cut in cuts), tuple(planned)), found
+    return Plan(tuple(cut for _, cut in cuts), tuple(planned)), findings
 
 
 def scenes_to_cut(
-    asked: Sequence[ShapedCut], cutting: Cutting, reverse: bool, ar: Arithmetic, used: Used
+    shaped_cuts: Sequence[ShapedCut], cutting: Cutting, reverse: bool, ar: Arithmetic, used: Used
 ) -> tuple[list[PieceScene] | None, list[Diagnostic]]:
     """Return what makes one part each; None where contours cross or leave no wall."""
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     pieces: list[Piece] = []
-    for number, cut in enumerate(asked):
+    for number, cut in enumerate(shaped_cuts):
         own, problems = pieces_of(number, cut, cutting, reverse, ar, used)
         pieces += own
-        found += problems
-    if has_errors(found):
-        return None, found
-    scenes, problems = scenes_of(asked, pieces)
-    found += problems
-    if has_errors(found):
-        return None, found
+        findings += problems
+    if has_errors(findings):
+        return None, findings
+    scenes, problems = scenes_of(shaped_cuts, pieces)
+    findings += problems
+    if has_errors(findings):
+        return None, findings
     for plate in sorted({scene.plate for scene in scenes}):
         on_plate = [scene for scene in scenes if scene.plate == plate]
-        found += thin_material(on_plate, cutting.thin_wall_um)
-    if has_errors(found):
-        return None, found
-    return scenes, found
+        findings += thin_material(on_plate, cutting.thin_wall_um)
+    if has_errors(findings):
+        return None, findings
+    return scenes, findings

@@ -52,15 +52,15 @@ def remaining(
         The cut's rest and all later cuts; None where ``at`` does not lie on the path.
     """
     cut = plan.cuts[index]
-    found = _behind(cut.path, at, along_um, NEAR_STEPS * step_um)
-    if found is None:
+    rest = _behind(cut.path, at, along_um, NEAR_STEPS * step_um)
+    if rest is None:
         return None
     left = plan.cuts[index + 1 :]
-    if found.closed:  # nothing was cut yet
+    if rest.closed:  # nothing was cut yet
         return replace(plan, cuts=(cut, *left), partial=True)
-    keeps, thread, path = cut.keeps_left, at, found
+    keeps, thread, path = cut.keeps_left, at, rest
     if backwards:
-        path = found.reversed()
+        path = rest.reversed()
         keeps = None if keeps is None else not keeps
         v = path.vertices
         x, y = to_grid([v["x"][0], v["y"][0]]).tolist()

@@ -29,9 +29,9 @@ def decoder(format_: str) -> Callable[..., Any]:
     It reads programs in the frame of the controller and returns them in that of the drawing.
 
     >>> from wedmcam.machines import default
-    >>> program, found = decoder("compact")(bytes.fromhex("01 017000 005000 00"),
-    ...                                     default("compact"), "a.zd")
-    >>> program.blocks["x"].tolist(), found
+    >>> program, findings = decoder("compact")(bytes.fromhex("01 017000 005000 00"),
+    ...                                        default("compact"), "a.zd")
+    >>> program.blocks["x"].tolist(), findings
     ([17000, 0], [])
     """
     from wedmcam.frontends.axes import in_frame

@@ -54,7 +54,7 @@ def in_frame(decode: Any) -> Any:
     """Return a reader of programs into the drawing's frame, from one into the controller's."""
 
     def decode_in_frame(data: bytes, machine: Machine, file: str, **more: Any) -> Any:
-        program, found = decode(data, machine, file, **more)
-        return to_drawing(program, machine.axes), found
+        program, findings = decode(data, machine, file, **more)
+        return to_drawing(program, machine.axes), findings
 
     return decode_in_frame

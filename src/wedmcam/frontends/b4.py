@@ -49,9 +49,9 @@ def decode(
     if gap and not tell.failed:
         _tell_unfit(tell, figure, machine, gap, outwards)
     if not gap or tell.failed:
-        return program, tell.found
+        return program, tell.findings
     cutting = _cutting(tell, figure, gap, outwards)
-    return Program(cutting, spans=program.spans, words=program.words), tell.found
+    return Program(cutting, spans=program.spans, words=program.words), tell.findings
 
 
 def _tell_radii(tell: _Teller, figure: NDArray[np.void], machine: Machine) -> None:
@@ -135,8 +135,8 @@ def _cutting(tell: _Teller, figure: NDArray[np.void], gap: int, outwards: bool) 
 class _Teller:
     """Collects findings about the blocks of a program."""
 
-    def __init__(self, program: Program, found: list[Diagnostic]) -> None:
-        self.program, self.found, self.failed = program, list(found), False
+    def __init__(self, program: Program, findings: list[Diagnostic]) -> None:
+        self.program, self.findings, self.failed = program, list(findings), False
 
     def __call__(
         self,
@@ -149,7 +149,7 @@ class _Teller:
     ) -> None:
         where = np.flatnonzero(mask)
         spans = self.program.spans
-        self.found += (
+        self.findings += (
             d for _, d in listed(severity, code, where, spans.__getitem__, template, values, hint)
         )
         self.failed |= severity is Severity.ERROR and len(where) > 0
@@ -164,8 +164,8 @@ def _fields(
     text = bytearray(codes)
     for f in fourths:
         text[f.low : f.high] = b" " * (f.high - f.low)
-    program, found = b3.decode(bytes(text), machine, file)
-    found = [_of_4b(d) for d in found]
+    program, findings = b3.decode(bytes(text), machine, file)
+    findings = [_of_4b(d) for d in findings]
     blocks = program.blocks
     figure = np.zeros(len(blocks), OUTLINE)
     for name in ("kind", "turn", "axis", "x", "y", "count"):
@@ -176,7 +176,7 @@ def _fields(
         mine = starts[at] == program.spans.starts
         figure["radius"][mine] = np.array([f.radius for f in fourths])[at[mine]]
         figure["grows"][mine] = np.array([f.grows for f in fourths])[at[mine]]
-    return program, figure, found
+    return program, figure, findings
 
 
 def _of_4b(d: Diagnostic) -> Diagnostic:

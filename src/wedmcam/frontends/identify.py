@@ -221,8 +221,8 @@ def _doubts(data: bytes, format_: str) -> int:
     from wedmcam.diag import Severity
     from wedmcam.frontends import decoder
 
-    _, found = decoder(format_)(data, machines.reading(format_), "")
-    return sum(d.count for d in found if d.severity > Severity.NOTE)
+    _, findings = decoder(format_)(data, machines.reading(format_), "")
+    return sum(d.count for d in findings if d.severity > Severity.NOTE)
 
 
 def _fits(data: bytes, layout: _Layout) -> Identification:

@@ -45,8 +45,8 @@ class Plain:
     def excerpt(self, start: int, end: int, most: int = 40) -> str:
         """Return what was written from ``start`` to ``end``, stripped and cut to ``most``."""
         part = self.text[start : min(end, start + 4 * most)]
-        written = (part if isinstance(part, str) else part.decode("latin-1")).strip()
-        printable = "".join(c if c.isprintable() else " " for c in written)
+        text = (part if isinstance(part, str) else part.decode("latin-1")).strip()
+        printable = "".join(c if c.isprintable() else " " for c in text)
         return printable if len(printable) <= most else printable[: most - 3] + "..."
 
 

@@ -176,7 +176,7 @@ class _Gaps:
 
 
 def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
-    """Return the program that a 3B file states, and what was found on the way.
+    """Return the program that a 3B file states, and findings.
 
     Args:
         data: any bytes; never raises.
@@ -208,21 +208,21 @@ def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diag
     for first, past in gaps.dropped:
         commented[first:past] = True
     blocks, good, by_record = _blocks(records, ~commented, machine, spans)
-    found = [(int(records.start[at]), d) for at, d in by_record]
-    found += _surroundings(gaps, spans, machine, commented, records)
+    findings = [(int(records.start[at]), d) for at, d in by_record]
+    findings += _surroundings(gaps, spans, machine, commented, records)
 
     program, order = _merge(blocks[good], records, good, gaps, file)
-    found += _sequence(program, order, spans)
+    findings += _sequence(program, order, spans)
     if commented.all() and not gaps.bad and not gaps.four:
-        found.append((0, error("no-blocks", "no 3B record in this file", FileSpan(file))))
-    return program, in_order(found)
+        findings.append((0, error("no-blocks", "no 3B record in this file", FileSpan(file))))
+    return program, in_order(findings)
 
 
 class _Teller:
     """Collects findings about records; about one with an error no more."""
 
     def __init__(self, read: Bools, spans: TextSpans) -> None:
-        self.good, self.found = read.copy(), list[tuple[int, Diagnostic]]()
+        self.good, self.findings = read.copy(), list[tuple[int, Diagnostic]]()
         self._spans = spans
 
     def __call__(
@@ -235,7 +235,7 @@ class _Teller:
         hint: str | None = None,
     ) -> None:
         where = np.flatnonzero(mask & self.good)
-        self.found.extend(
+        self.findings.extend(
             listed(severity, code, where, self._spans.__getitem__, template, values, hint)
         )
         if severity is Severity.ERROR:
@@ -289,7 +289,7 @@ def _blocks(
     blocks["axis"] = records.axis
     blocks["x"], blocks["y"], blocks["count"] = columns.x, columns.y, columns.count
     blocks["source"] = -1
-    return blocks, tell.good, tell.found
+    return blocks, tell.good, tell.findings
 
 
 def _largest(columns: _Columns, machine: Machine) -> Ints:
@@ -460,7 +460,7 @@ class _TextTeller:
     """Collects findings about the text around the records, by offset."""
 
     def __init__(self, text: Plain, spans: TextSpans) -> None:
-        self.found: list[tuple[int, Diagnostic]] = []
+        self.findings: list[tuple[int, Diagnostic]] = []
         self._text, self._spans = text, spans
 
     def __call__(
@@ -482,7 +482,7 @@ class _TextTeller:
             lambda i: (self.quoted if values is None else values)(*places[i]),
             hint,
         ):
-            self.found.append((places[rank][0], diagnostic))
+            self.findings.append((places[rank][0], diagnostic))
 
     def quoted(self, a: int, b: int) -> dict[str, object]:
         """Return the text of a place as a value."""
@@ -518,7 +518,7 @@ def _surroundings(
             "end coordinates behind the records are not used",
             lambda a, b: {},
         )
-    return tell.found
+    return tell.findings
 
 
 def _tell_fragments(tell: _TextTeller, gaps: _Gaps) -> None:

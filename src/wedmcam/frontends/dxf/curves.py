@@ -205,9 +205,9 @@ def _through(entity: Any, fitted: Floats, closed: bool) -> tuple[Floats, Floats,
     given = tangents if len(tangents) == 2 and all(t.magnitude > 0 for t in tangents) else None
     if len(fitted) == 2 and given is None:
         return fitted, np.array([0.0, 0.0, 1.0, 1.0]), 1
-    made = fit_points_to_cad_cv(fitted.tolist(), tangents=given)
-    points = np.array([tuple(p) for p in made.control_points], float)
-    return points, np.array(made.knots(), float), made.order - 1
+    spline = fit_points_to_cad_cv(fitted.tolist(), tangents=given)
+    points = np.array([tuple(p) for p in spline.control_points], float)
+    return points, np.array(spline.knots(), float), spline.order - 1
 
 
 def _ring(fitted: Floats) -> tuple[Floats, Floats, int]:
@@ -284,16 +284,16 @@ def segments(curves: Sequence[Curve], tolerances: Sequence[float], frames: Seque
     sets = []
     for members in by_degree.values():
         chosen = [c for k in members if isinstance(c := curves[k], Spline)]
-        made = Beziers(
+        beziers = Beziers(
             np.concatenate([c.pieces for c in chosen]),
             np.repeat(np.arange(len(members)), [len(c.pieces) for c in chosen]),
             np.concatenate([c.corner for c in chosen]),
         )
-        sets.append((np.array(members), made, rounds(made, len(members))))
+        sets.append((np.array(members), beziers, rounds(beziers, len(members))))
     parts.append(_rounded(curves, sets, tolerance, frames, out))
     done = set(out.exact)
-    for which, made, _ in sets:
-        parts.append(_of_splines(curves, which, made, tolerance, done, out))
+    for which, beziers, _ in sets:
+        parts.append(_of_splines(curves, which, beziers, tolerance, done, out))
     parts.append(_of_ellipses(curves, tolerance, out))
     if absurd:
         out.absurd = absurd
@@ -417,18 +417,18 @@ def _group(
 def _of_splines(
     curves: Sequence[Curve],
     which: Ints,
-    made: Beziers,
+    beziers: Beziers,
     tolerance: Floats,
     done: set[int],
     out: Fitted,
 ) -> Rows:
     """Return the segments of the splines of one degree that are not ``done``."""
-    arcs, off = certify(made, tolerance[which[made.curve[made.first]]])
-    owner = made.curve[made.first[arcs.of]]
+    arcs, off = certify(beziers, tolerance[which[beziers.curve[beziers.first]]])
+    owner = beziers.curve[beziers.first[arcs.of]]
     worst = np.zeros(len(which))
     np.maximum.at(worst, owner, off)
     n = len(arcs.x0)
-    lines = _straights(made)
+    lines = _straights(beziers)
     rows = np.zeros(n + len(lines), SEGMENT)
     for name in ("x0", "y0", "x1", "y1", "cx", "cy", "turn"):
         rows[name][:n] = getattr(arcs, name)
@@ -437,9 +437,9 @@ def _of_splines(
     local = np.zeros(len(rows), np.int64)
     local[:n] = owner[arcs.piece]
     for k, (a, b) in enumerate(lines, start=n):
-        rows["x0"][k], rows["y0"][k] = made.x0[a], made.y0[a]
-        rows["x1"][k], rows["y1"][k] = made.x1[b], made.y1[b]
-        at[k], local[k] = a, made.curve[a]
+        rows["x0"][k], rows["y0"][k] = beziers.x0[a], beziers.y0[a]
+        rows["x1"][k], rows["y1"][k] = beziers.x1[b], beziers.y1[b]
+        at[k], local[k] = a, beziers.curve[a]
         worst[local[k]] = max(worst[local[k]], STRAIGHT_UM)
     order = np.lexsort((np.arange(len(rows)), at, local))
     rows, local = rows[order], local[order]
@@ -464,15 +464,18 @@ def _of_splines(
     return rows
 
 
-def _straights(made: Beziers) -> list[tuple[int, int]]:
+def _straights(beziers: Beziers) -> list[tuple[int, int]]:
     """Return first and last piece of each run of pieces that make one line."""
     runs: list[tuple[int, int]] = []
-    for k in np.flatnonzero(made.straight).tolist():
-        if runs and runs[-1][1] == k - 1 and made.joint[k]:
+    for k in np.flatnonzero(beziers.straight).tolist():
+        if runs and runs[-1][1] == k - 1 and beziers.joint[k]:
             a = runs[-1][0]
-            wx, wy = made.x1[k] - made.x0[a], made.y1[k] - made.y0[a]
+            wx, wy = beziers.x1[k] - beziers.x0[a], beziers.y1[k] - beziers.y0[a]
             size = float(np.hypot(wx, wy))
-            x, y = made.x0[a + 1 : k + 1] - made.x0[a], made.y0[a + 1 : k + 1] - made.y0[a]
+            x, y = (
+                beziers.x0[a + 1 : k + 1] - beziers.x0[a],
+                beziers.y0[a + 1 : k + 1] - beziers.y0[a],
+            )
             if size > 0 and float(np.abs(x * wy - y * wx).max()) <= STRAIGHT_UM * size:
                 runs[-1] = (a, k)
                 continue
@@ -524,11 +527,11 @@ def _of_ellipses(curves: Sequence[Curve], tolerance: Floats, out: Fitted) -> Row
             which.append(k)
             x, y = float(np.round(e.cx)), float(np.round(e.cy))
             chosen.append((x, y, replace(e, cx=e.cx - x, cy=e.cy - y)))
-    made = Ellipses([e for _, _, e in chosen])
+    ellipses = Ellipses([e for _, _, e in chosen])
     names = np.array(which, np.int64)
-    arcs, off = certify(made, tolerance[names[made.curve]])
-    owner = made.curve[arcs.section]
-    np.maximum.at(out.error, names[made.curve[arcs.of]], off)
+    arcs, off = certify(ellipses, tolerance[names[ellipses.curve]])
+    owner = ellipses.curve[arcs.section]
+    np.maximum.at(out.error, names[ellipses.curve[arcs.of]], off)
     rows = np.zeros(len(arcs.x0), SEGMENT)
     for name in ("x0", "y0", "x1", "y1", "cx", "cy", "turn"):
         rows[name] = getattr(arcs, name)

@@ -120,12 +120,12 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
         return None, (large,)
     if data.startswith(BINARY):
         tags = tags_of_binary(data, file, encoding_of_binary(data))
-        edits, found = find_repairs(tags)
-        found = [*_behind(tags), *_misplaced(tags), *found]
+        edits, findings = find_repairs(tags)
+        findings = [*_behind(tags), *_misplaced(tags), *findings]
         if not edits:
-            return _parse(None, tags, Header(), found)
+            return _parse(None, tags, Header(), findings)
         text = text_with(tags, edits)
-        return _parse(text, tags, _header(text.encode("latin-1", "replace")), found)
+        return _parse(text, tags, _header(text.encode("latin-1", "replace")), findings)
     for magic, what, cure in OTHERS:
         if data[:64].lstrip().startswith(magic):
             return None, (
@@ -161,15 +161,15 @@ def load(data: bytes, file: str) -> tuple[Loaded | None, tuple[Diagnostic, ...]]
             error("merge-conflict", "a version control conflict: {mark}", span, mark=mark),
         )
     tags = tags_of_text(text, file)
-    found = [*_behind(tags), *_misplaced(tags)]
+    findings = [*_behind(tags), *_misplaced(tags)]
     edits, notes = find_repairs(tags)
-    found += notes
+    findings += notes
     if edits:
         text = text_with(tags, edits)
     elif tags.behind is not None:
         text = tags.text()
     text, version_notes = _with_version(text, header, where)
-    return _parse(text, tags, header, [*found, *version_notes])
+    return _parse(text, tags, header, [*findings, *version_notes])
 
 
 def _too_large(data: bytes, where: FileSpan) -> Diagnostic | None:
@@ -445,7 +445,7 @@ def _with_version(text: str, header: Header, where: FileSpan) -> tuple[str, list
 
 
 def _parse(
-    text: str | None, tags: Tags, header: Header, found: list[Diagnostic]
+    text: str | None, tags: Tags, header: Header, findings: list[Diagnostic]
 ) -> tuple[Loaded | None, tuple[Diagnostic, ...]]:
     """Return the document that ezdxf reads from the text, or from the tags where that is None."""
     from ezdxf.document import Drawing
@@ -471,18 +471,18 @@ def _parse(
         try:
             doc, unreadable, repair = _salvaged(lines, tags, header, _reason(why))
         except Hopeless as hopeless:
-            found.append(_refused(lines, tags, hopeless))
-            return None, tuple(found)
+            findings.append(_refused(lines, tags, hopeless))
+            return None, tuple(findings)
         lost = []
-        found.append(repair)
+        findings.append(repair)
     finally:
         if collecting:
             gc.enable()
-    if lost and not any(d.severity is Severity.ERROR for d in found):
-        found.append(
+    if lost and not any(d.severity is Severity.ERROR for d in findings):
+        findings.append(
             error("damaged-drawing", "entities were lost in reading: {entities}", entities=lost)
         )
-    return Loaded(doc, header, bool(tags.is_binary), tags, unreadable), tuple(found)
+    return Loaded(doc, header, bool(tags.is_binary), tags, unreadable), tuple(findings)
 
 
 def _read(text: str) -> Drawing:

@@ -267,10 +267,10 @@ class Placer:
             self._put(copy)
             stack += reversed(list(self._inserted(copy)))
         with np.errstate(all="ignore"):  # what overflows is refused as a bad number
-            made = _fitted(self._wanted, self._tolerance)
+            curves = _fitted(self._wanted, self._tolerance)
         for copy, fates, key, matrix in self._copied:
             if self.placed.too_large is None:
-                self._take(copy, fates, made[key], matrix)
+                self._take(copy, fates, curves[key], matrix)
 
     def _ref(self, copy: _Copy, at: int) -> EntityRef:
         kind, handle, layer = copy.heap.entities[at]

@@ -1,4 +1,4 @@
-"""The whole of reading a DXF drawing: bytes in, a sketch and what was found on the way out.
+"""The whole of reading a DXF drawing: bytes in, a sketch and findings out.
 
 Nothing is dropped in silence: what is not cut is counted by type and layer, what would be cut wrong
 is an error with its handle, and what was put right is said.
@@ -78,14 +78,14 @@ def read(
     loaded, found_loading = load(data, file)
     if loaded is None:
         return None, found_loading
-    found = list(found_loading)
+    findings = list(found_loading)
     header = loaded.header
-    unit, said = units.choose(
+    unit, more = units.choose(
         header.insunits, header.measurement, options.units, options.fill_in_units, file
     )
-    found += said
-    filters, said = filters_of(loaded.doc, options, file, type_of, wished)
-    found += said
+    findings += more
+    filters, more = filters_of(loaded.doc, options, file, type_of, wished)
+    findings += more
     layers = Layers(loaded.doc.layers, filters.layers)
     # Without units the size is still wanted, in drawing units: 1000 um each, printed as mm.
     scale = unit.scale or 1000.0
@@ -101,7 +101,7 @@ def read(
     if any(kind in BOUNDED for kind, _ in placed.others):
         bounds, there = unread(loaded.doc, scale, layers, file, filters, options.tolerance_um)
         _boundless(there, placed, loaded.unreadable)
-    found += contradictions(
+    findings += contradictions(
         loaded.tags,
         Reading(
             placed.blocks,
@@ -111,23 +111,23 @@ def read(
             _looks(loaded, filters),
         ),
     )
-    found += _unreadable(placed, loaded.unreadable)
-    found += _problems(placed, loaded.tags)
-    found += _curves(placed, options, file)
-    found += _left_out(placed, _paper_space(loaded.doc), file, rows)
-    if not len(rows) and not has_errors(found):
-        found.append(_empty(placed, loaded.doc, options, file))
+    findings += _unreadable(placed, loaded.unreadable)
+    findings += _problems(placed, loaded.tags)
+    findings += _curves(placed, options, file)
+    findings += _left_out(placed, _paper_space(loaded.doc), file, rows)
+    if not len(rows) and not has_errors(findings):
+        findings.append(_empty(placed, loaded.doc, options, file))
     width, height = _size(rows)
     if not unit.scale:
-        found.append(units.missing(width / 1000.0, height / 1000.0, header.insunits, file))
-        return None, tuple(found)
+        findings.append(units.missing(width / 1000.0, height / 1000.0, header.insunits, file))
+        return None, tuple(findings)
     doubt = units.doubt(unit, width, height, file) if len(rows) else None
     if doubt is not None:
-        found.append(doubt)
+        findings.append(doubt)
     info = _info(loaded, placed, unit)
-    written = texts_of(loaded.doc, scale) if placed.others or placed.blocks else np.zeros((0, 2))
-    sketch = Sketch(rows, tuple(placed.sources), tuple(placed.points), info, bounds, written)
-    return sketch, tuple(found)
+    texts = texts_of(loaded.doc, scale) if placed.others or placed.blocks else np.zeros((0, 2))
+    sketch = Sketch(rows, tuple(placed.sources), tuple(placed.points), info, bounds, texts)
+    return sketch, tuple(findings)
 
 
 def _looks(loaded: Loaded, filters: Filters) -> Callable[..., bool] | None:
@@ -191,7 +191,7 @@ def _size(rows: Rows) -> tuple[float, float]:
     return sides[0], sides[1]
 
 
-# --- what was found -------------------------------------------------------------------------
+# --- findings -------------------------------------------------------------------------------
 
 #: For each code: how bad it is, the template of a finding about entities of a type, and the hint.
 _PROBLEMS: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {

@@ -54,8 +54,8 @@ NAMED = 5
 def find_repairs(tags: Tags) -> tuple[Edits, list[Diagnostic]]:
     """Return the entities that are to be read otherwise than they stand there, and notes."""
     edits: Edits = {}
-    found = [*_markers(tags, edits), *_handles(tags, edits)]
-    return edits, found
+    findings = [*_markers(tags, edits), *_handles(tags, edits)]
+    return edits, findings
 
 
 def text_with(tags: Tags, edits: Edits) -> str:

@@ -415,7 +415,7 @@ def _readable(source: _Source, units: list[list[Group]], out: Salvaged) -> list[
 
     if inside:
         halve(inside)
-    made = []
+    readable = []
     lost = False
     for k, unit in enumerate(units):
         kind = _kind(unit)
@@ -424,12 +424,12 @@ def _readable(source: _Source, units: list[list[Group]], out: Salvaged) -> list[
         if lost and kind not in ("BLOCK", "ENDBLK"):
             continue
         if k in reasons:
-            made.append([_mark(source, unit, reasons[k], out)])
+            readable.append([_mark(source, unit, reasons[k], out)])
             continue
-        made.append(unit)
+        readable.append(unit)
         if k in inside:
             out.counts[_kind(unit)] += 1
-    return made
+    return readable
 
 
 #: What the head of a block must have: a name, and where its origin is.

@@ -71,11 +71,11 @@ def choose(
         file: for the findings.
     """
     where = FileSpan(file)
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     drawn = INSUNITS.get(insunits) if insunits is not None else None
     if asked is not None and not (fill_in and drawn):
         if drawn is not None and drawn[1] != ASKED[asked]:
-            found.append(
+            findings.append(
                 warning(
                     "units-overridden",
                     "the drawing says {stated} ($INSUNITS {insunits}); its numbers are taken as "
@@ -86,11 +86,11 @@ def choose(
                     units=asked,
                 )
             )
-        return Unit(asked, ASKED[asked], "--units"), found
+        return Unit(asked, ASKED[asked], "--units"), findings
     if drawn is None:
-        return Unit("", 0.0, ""), found
+        return Unit("", 0.0, ""), findings
     if measurement is not None and (insunits in ENGLISH) != (measurement == 0):
-        found.append(
+        findings.append(
             warning(
                 "units-contradict",
                 "$INSUNITS {insunits} says {units}, $MEASUREMENT {measurement} says {system}; "
@@ -103,7 +103,7 @@ def choose(
                 system="English" if measurement == 0 else "metric",
             )
         )
-    return Unit(drawn[0], drawn[1], f"$INSUNITS {insunits}"), found
+    return Unit(drawn[0], drawn[1], f"$INSUNITS {insunits}"), findings
 
 
 def missing(width: float, height: float, insunits: int | None, file: str) -> Diagnostic:

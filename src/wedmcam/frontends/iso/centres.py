@@ -35,7 +35,7 @@ class Rule(IntEnum):
     PLACE = 3  # always: G90.1
 
 
-_SAID = {
+_RULES = {
     None: Rule.START,
     "start": Rule.START,
     "absolute": Rule.ABSOLUTE,
@@ -57,20 +57,20 @@ class Rules:
 
 def rules_of(r: Reading, codes: Ints, has: Bools) -> Rules:
     """Return the rule of every line; ``codes`` in tenths where a line ``has`` one."""
-    said = _SAID[r.dialect.centres]
-    rule = np.full(r.lines, int(said))
+    default = _RULES[r.dialect.centres]
+    rule = np.full(r.lines, int(default))
     unsaid = np.full(r.lines, r.dialect.is_open(r.dialect.centres, "ij"))
     lines = np.flatnonzero(has)
     if len(lines):
         of_code = np.zeros(len(codes), np.int64)
         for code, one in CODES.items():
             of_code[codes == code] = one
-        rule = filled(of_code, has, int(said))
+        rule = filled(of_code, has, int(default))
         unsaid &= np.arange(r.lines) < lines[0]
         code = int(codes[lines[0]])
         # G90.1 is what `absolute` says, but under G91 too.
         same = {Rule.PLACE: "absolute", Rule.START: "start"}[CODES[code]]
-        if r.said.centres not in (None, same):
+        if r.user_dialect.centres not in (None, same):
             r.tell_stated(lines[:1], f"G{code / PER_CODE:g}", "--centres-in")
     return Rules(rule, unsaid)
 
@@ -142,19 +142,19 @@ def centres_by_rule(
 
 def ask(r: Reading, arcs: Ints, stated: Bools, centres: Centres) -> None:
     """Ask for the rule where no arc proves it: ``stated`` arcs have I or J alone."""
-    asked = stated & centres.is_open
+    open_arcs = stated & centres.is_open
     if not r.dialect.named:  # [R] a way is from the start where no machine is named
-        asked &= centres.shift > 1000
-    if not asked.any():
+        open_arcs &= centres.shift > 1000
+    if not open_arcs.any():
         return
-    fit = {rule: asked & fits(centres.ends, centres.by[rule]) for rule in _ANSWERS.values()}
+    fit = {rule: open_arcs & fits(centres.ends, centres.by[rule]) for rule in _ANSWERS.values()}
     fit[Rule.ABSOLUTE] &= centres.shift > 1000
     if not r.dialect.named:
         del fit[Rule.TO_START]
     many = sum((f.astype(np.int64) for f in fit.values()), np.zeros(len(arcs), np.int64))
     both = fit[Rule.START] & (many > 1) & ~r.bad[arcs]
     # An arc of one rule proves it; one of none is an error with its own hint.
-    if both.any() and not (asked & (many < 2)).any():
+    if both.any() and not (open_arcs & (many < 2)).any():
         first = int(arcs[np.argmax(both)])
         r.questions += dialects.of_centres(first, int(both.sum()), r.words, r.plain)
 

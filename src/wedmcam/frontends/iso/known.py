@@ -131,7 +131,7 @@ def _tell_harmless(
         meanings=Listing(meanings, between="; "),
         machine=r.machine.name,
     )
-    r.found.append((at, finding))
+    r.findings.append((at, finding))
 
 
 def unlisted(r: Reading, classes: NDArray[np.int8], codes: Bools) -> Bools:

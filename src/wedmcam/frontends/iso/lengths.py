@@ -37,7 +37,7 @@ def lengths_of(
 
     ``used``: the lines whose X and Y lead somewhere, and those whose I, J and R do.
     """
-    said, how = r.dialect, r.machine.iso
+    dialect, how = r.dialect, r.machine.iso
     um = how.integers == "um"
     in_inch = (inches == 1) | ((inches == UNSAID) & (point_nm(r, UNSAID) == iso.NM_OF_INCH))
     systems = [inches == UNSAID, inches == 1]
@@ -67,9 +67,9 @@ def lengths_of(
         out[name] = np.where(large | ~has, 0, nm)
         bare |= has & ~pointed & (value != 0)
         some_pointed |= bool(np.any(has & pointed))
-    if not said.named or said.leaves or said.units_nm is not None:
+    if not dialect.named or dialect.leaves or dialect.units_nm is not None:
         _ask_units(r, inches, in_inch, used, stop_line)
-    if said.is_open(None, "integers") or said.whole_nm is not None:
+    if dialect.is_open(None, "integers") or dialect.whole_nm is not None:
         return out
     units = how.integers in ("mm", "inch")  # a controller that counts units in one system
     for inch, system, answer in (
@@ -114,17 +114,17 @@ def digit_nm(r: Reading, inch: int) -> int | None:
     A profile says it in its own system of units. In the other one it is the like of it, um and
     0.0001 in, or mm and inch, where the profile lists the code that changes the system.
     """
-    said, how = r.dialect, r.machine.iso
-    if said.whole_nm is not None:
-        return said.whole_nm
-    if said.is_open(None, "integers"):
+    dialect, how = r.dialect, r.machine.iso
+    if dialect.whole_nm is not None:
+        return dialect.whole_nm
+    if dialect.is_open(None, "integers"):
         in_inch = inch == 1 or (inch == UNSAID and point_nm(r, UNSAID) == iso.NM_OF_INCH)
         return dialects.INCH_DIGIT_NM if in_inch else _DIGITS[how.integers][0]
     of_inch = how.integers in ("inch", "0.0001in")
     if inch == UNSAID:
-        if said.units_nm is None:
+        if dialect.units_nm is None:
             return _DIGITS[how.integers][of_inch]
-        inch = int(said.units_nm == iso.NM_OF_INCH)
+        inch = int(dialect.units_nm == iso.NM_OF_INCH)
     codes = (200, 700) if inch == 1 else (210, 710)
     knows = any(how.words.class_of("G", code) is Known.PATH for code in codes)
     return _DIGITS[how.integers][inch] if knows or of_inch == bool(inch) else None
@@ -134,41 +134,41 @@ def _ask_units(
     r: Reading, inches: Ints, in_inch: Bools, used: tuple[Bools, Bools], stop_line: int
 ) -> None:
     """Ask for units that nothing says, and warn of an answer that the file gives otherwise."""
-    w, said = r.words, r.dialect
+    w, dialect = r.words, r.dialect
     lengths = w.good & (w.whole != 0) & (w.line <= stop_line)
     letters = [np.isin(w.letter, np.frombuffer(k, np.uint8)) for k in (b"XY", b"IJR")]
     lengths &= (letters[0] & used[0][w.line]) | (letters[1] & used[1][w.line])
-    if said.is_open(said.whole_nm, "integers"):
+    if dialect.is_open(dialect.whole_nm, "integers"):
         whole = np.flatnonzero(lengths & ~w.pointed)
         r.questions += dialects.of_whole(
             whole, w, r.plain, in_inch[w.line[whole]], r.machine.iso.integers
         )
-    if said.is_open(said.units_nm, "points"):
+    if dialect.is_open(dialect.units_nm, "points"):
         unsaid = np.flatnonzero(lengths & w.pointed & (inches[w.line] == UNSAID))
         r.questions += dialects.of_units(unsaid, w, r.plain)
-    elif said.units_nm is not None:
+    elif dialect.units_nm is not None:
         pointed = np.flatnonzero(lengths & w.pointed)
         stated = inches[w.line[pointed]]
         if len(pointed) and not (stated == UNSAID).any():
             nm = np.where(stated == 1, iso.NM_OF_INCH, iso.NM_OF_MM)
-            other = w.line[pointed[nm != said.units_nm]][:1]
+            other = w.line[pointed[nm != dialect.units_nm]][:1]
             r.tell_stated(other, "G20 or G21", "--units-in")
 
 
 def distance_of(r: Reading, stated: Ints, moves: Bools, stop_line: int) -> Ints:
     """Return 90 or 91 for every line, as the file, an option or the profile says, or ask."""
-    said, profile = r.dialect, r.machine.iso.coordinates
-    incremental = (said.coordinates or profile) == "incremental"
+    dialect, profile = r.dialect, r.machine.iso.coordinates
+    incremental = (dialect.coordinates or profile) == "incremental"
     out = np.where(stated == UNSAID, 91 if incremental else 90, stated)
-    if said.coordinates is None and not said.is_open(None, "coordinates"):
+    if dialect.coordinates is None and not dialect.is_open(None, "coordinates"):
         return out
     lines = np.flatnonzero(moves[: stop_line + 1])
     unsaid = stated[lines] == UNSAID
-    if said.coordinates is None:
+    if dialect.coordinates is None:
         r.questions += dialects.of_coordinates(lines[unsaid], r.words, r.plain, incremental)
     elif len(lines) and not unsaid.any():
         other = lines[stated[lines] != (91 if incremental else 90)]
         if len(other) == len(lines):
             code = f"G{stated[lines[0]]}"
-            r.tell_stated(other[:1], code, f"--coordinates-in {said.coordinates}")
+            r.tell_stated(other[:1], code, f"--coordinates-in {dialect.coordinates}")
     return out

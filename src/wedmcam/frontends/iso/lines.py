@@ -80,7 +80,8 @@ class Codes:
     @property
     def switches_on(self) -> Bools:
         """Which words switch compensation on: G41 and G42."""
-        return self.modal["comp"] & (self.number != 40)
+        mask: Bools = self.modal["comp"] & (self.number != 40)
+        return mask
 
 
 def codes_of(r: Reading, classes: NDArray[np.int8]) -> Codes:

@@ -35,7 +35,7 @@ class Modes:
 
     Attributes:
         code: 40, 41 or 42 in force.
-        said: whether the line itself says one.
+        here: whether the line itself says one.
         d: D number in force, -1 for none.
         table: see `Table`.
         letter: of the words that number offsets.
@@ -44,7 +44,7 @@ class Modes:
     """
 
     code: Ints
-    said: Bools
+    here: Bools
     d: Ints
     table: Table
     letter: str = "D"
@@ -100,9 +100,9 @@ def runs_of(r: Reading, rows: Ints, motion: Ints, still: Bools, modes: Modes) ->
     tell(change, "G41 and G42 change places without G40", "G40 on a line before the other side")
     other = np.zeros(len(rows), bool)
     other[1:] = (code[1:] != OFF) & before[1:] & (d[1:] != d[:-1]) & ~change[1:]
-    said = np.cumsum(modes.said & (modes.code == OFF))[rows]
+    switched_off = np.cumsum(modes.here & (modes.code == OFF))[rows]
     again = np.zeros(len(rows), bool)
-    again[1:] = on[1:] & before[1:] & (said[1:] != said[:-1])
+    again[1:] = on[1:] & before[1:] & (switched_off[1:] != switched_off[:-1])
     tell(again, "no motion stands between G40 and this line", "lead out on a straight line, G01")
     _tell_changes(r, rows, other, leads_in, motion, modes, d, offset)
     tell(leads_in & (motion >= 2), "compensation is switched on in an arc", _LEADS)
@@ -133,7 +133,7 @@ def runs_of(r: Reading, rows: Ints, motion: Ints, still: Bools, modes: Modes) ->
         shift=np.where(on, side * offset, 0.0)[which],
         d=np.where(on, d, -1)[which],
         run=run[which],
-        cuts=(on | modes.said[rows])[which],
+        cuts=(on | modes.here[rows])[which],
     )
 
 

@@ -73,8 +73,8 @@ def decode(
         two pauses is a move, like G00. ``spans[i]`` is the line. G41 and G42 are refused: where
         they lead depends on a table.
     """
-    programmed, found = read(data, machine, file, dialect=dialect)
-    return programmed.program, found
+    programmed, findings = read(data, machine, file, dialect=dialect)
+    return programmed.program, findings
 
 
 def read(
@@ -122,7 +122,7 @@ def _put_in_order(r: Reading) -> None:
     """Find where the program ends, and put its lines in the order in which they are run."""
     # A profile may refuse calls, for nothing states what they run; the user may still say it.
     refuses = vocabulary_of(r).class_of("M", 98 * PER_CODE) is Known.REFUSED
-    runs_calls = not refuses or r.said.subprograms in STYLES
+    runs_calls = not refuses or r.user_dialect.subprograms in STYLES
     take_end(r, by_word=not (runs_calls and calls_of(r)))
     take_number(r)
     order = order_of(r) if runs_calls else None
@@ -147,7 +147,7 @@ def _tell_text(r: Reading) -> None:
                 hint="close it on this line: some controllers read on to the next bracket",
                 text=r.plain.excerpt(a, b),
             )
-            r.found.append((a, finding))
+            r.findings.append((a, finding))
     texts = [(a, b) for a, b in w.comments if r.plain.codes[a + 1 : b].strip(b" )")]
     for a, b in texts[:1]:
         finding = note(
@@ -157,7 +157,7 @@ def _tell_text(r: Reading) -> None:
             count=len(texts),
             text=r.plain.excerpt(a, b),
         )
-        r.found.append((a, finding))
+        r.findings.append((a, finding))
     r.tell_lines(
         Severity.ERROR,
         "iso-word",
@@ -212,10 +212,10 @@ def _program(
         runs = runs_of(r, path.rows, lines.motion[path.rows], path.still, modes)
     blocks = blocks_of(r, path, runs)
     programmed = _with_controls(r, blocks, controls, runs)
-    if not len(path.rows) and not any(d.severity is Severity.ERROR for _, d in r.found):
+    if not len(path.rows) and not any(d.severity is Severity.ERROR for _, d in r.findings):
         finding = error("no-blocks", "no ISO record with a motion in this file", FileSpan(r.file))
-        r.found.append((0, finding))
-    return programmed, r.findings()
+        r.findings.append((0, finding))
+    return programmed, r.sorted_findings()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

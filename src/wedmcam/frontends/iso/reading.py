@@ -1,4 +1,4 @@
-"""One ISO text while it is read: its words, its lines as columns, and what was found in it."""
+"""One ISO text while it is read: its words, its lines as columns, and findings."""
 
 from __future__ import annotations
 
@@ -28,12 +28,13 @@ _DEPEND = frozenset({"iso-arc", "iso-end", "over-limit"})
 class Reading:
     """Findings of one text, and its lines as columns.
 
-    ``said`` is what was said beside the text, ``dialect`` that and what its profile says.
+    ``user_dialect`` is what the user says beside the text, ``dialect`` that with what its profile
+    says.
     """
 
     def __init__(self, data: bytes, machine: Machine, file: str, dialect: Dialect) -> None:
         self.plain: Plain = plain(data)
-        self.file, self.said = file, dialect
+        self.file, self.user_dialect = file, dialect
         self.dialect, closed = completed(dialect, machine.iso)
         self.machine = replace(machine, iso=closed)
         codes, self.entries, self.conditions = tables_of(with_numbers(self.plain.codes))
@@ -44,7 +45,7 @@ class Reading:
             self.words = self.words.without(self.titles)
         size = np.maximum(self.words.line_end - self.words.line_start, 1).astype(np.int32)
         self.spans = TextSpans(file, self.plain.codes, self.words.line_start, size)
-        self.found: list[tuple[int, Diagnostic]] = []
+        self.findings: list[tuple[int, Diagnostic]] = []
         self.questions: list[Question] = []
         self.bad: Bools = np.zeros(self.lines, bool)
         #: How subprograms are run, as the user or the profile says; None where neither does.
@@ -103,7 +104,7 @@ class Reading:
                     count=len(where),
                     values={"words": self.named(where), **values},
                 )
-                self.found.append((at, finding))
+                self.findings.append((at, finding))
             return
         for i, d in listed(
             severity,
@@ -117,7 +118,7 @@ class Reading:
             },
             hint,
         ):
-            self.found.append((int(w.start[i]), d))
+            self.findings.append((int(w.start[i]), d))
 
     def once(self, where: Ints) -> Ints:
         """Return some words without those that stand in the same place of the text, run again."""
@@ -173,19 +174,20 @@ class Reading:
             hint,
         ):
             finding = d.extended(" ({count} lines)") if quiet else d
-            self.found.append((int(self.words.line_start[where[i]]), finding))
+            self.findings.append((int(self.words.line_start[where[i]]), finding))
         if severity is Severity.ERROR:
             self.bad[where] = True
 
-    def findings(self) -> list[Diagnostic]:
-        """Return what was found: what had to be assumed or asked first, then all by its place."""
-        questions = sorted(self.questions, key=lambda q: q.at)
+    def sorted_findings(self) -> list[Diagnostic]:
+        """Return all findings: what had to be assumed or asked first, then the others by place."""
         shown = self.dialect.shown
-        asked = [q.finding(self.spans, shown) for q in questions]
-        found = in_order(self.found)
-        if (asked and not shown) or self.unrun:  # what depends on the answers is said with them
-            found = [d for d in found if d.code not in _DEPEND]
-        return [*asked, *found]
+        questions = [
+            q.finding(self.spans, shown) for q in sorted(self.questions, key=lambda q: q.at)
+        ]
+        findings = in_order(self.findings)
+        if (questions and not shown) or self.unrun:  # what depends on the answers is said with them
+            findings = [d for d in findings if d.code not in _DEPEND]
+        return [*questions, *findings]
 
     def tell_stated(self, line: Ints, word: str, option: str) -> None:
         """Warn that the file says itself, and otherwise, what an option says."""

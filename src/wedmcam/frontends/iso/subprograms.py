@@ -151,7 +151,7 @@ def order_of(r: Reading) -> Ints | None:
         questions = dialects.of_subprograms(calls, w, r.plain, names, said == "none")
         runs = len(fits) == 1 and said != "none"
         if r.dialect.shown and not runs:
-            r.found += [(q.at, q.finding(r.spans, shown=False)) for q in questions]
+            r.findings += [(q.at, q.finding(r.spans, shown=False)) for q in questions]
         else:
             r.questions += questions
         if not r.dialect.shown or not runs:
@@ -586,7 +586,7 @@ def _run(r: Reading, tree: CallTree) -> Ints:
         blocks=blocks,
         lines=lines,
     )
-    r.found.append((at, finding))
+    r.findings.append((at, finding))
     _tell_idle(r, tree, filled & ~done)
     w = w.without_words(tree.spent | ~done[w.line])
     stray = w.stray[done[w.lines_at(w.stray)]]
@@ -618,4 +618,4 @@ def _tell_idle(r: Reading, tree: CallTree, idle: Bools) -> None:
         count=len(lines),
         labels=Listing(names, unnamed=max(0, len(first) - NAMED)),
     )
-    r.found.append((at, finding))
+    r.findings.append((at, finding))

@@ -133,7 +133,7 @@ def _table(
             r.spans[int(lines[0])],
             hint="--d 0=LENGTH says what is entered there",
         )
-        r.found.append((int(r.words.start[first]), finding))
+        r.findings.append((int(r.words.start[first]), finding))
         table = _none_for_0(table)
         missing = [n for n in missing if n != 0]
     if missing:
@@ -181,7 +181,7 @@ def _tell_diameters(r: Reading, table: Table, entered: list[int], letter: str) -
             count=len(entries),
             entries=Listing(entries, between="; "),
         )
-        r.found.append((0, finding))
+        r.findings.append((0, finding))
 
 
 def _tell_tables(r: Reading, used: bool) -> None:
@@ -197,7 +197,7 @@ def _tell_tables(r: Reading, used: bool) -> None:
             count=len(r.conditions),
             text=r.plain.excerpt(a, b),
         )
-        r.found.append((a, finding))
+        r.findings.append((a, finding))
     if r.entries and not used:
         one = r.entries[0]
         finding = note(
@@ -207,7 +207,7 @@ def _tell_tables(r: Reading, used: bool) -> None:
             count=len(r.entries),
             text=r.plain.excerpt(one.at, one.end),
         )
-        r.found.append((one.at, finding))
+        r.findings.append((one.at, finding))
 
 
 def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, float] | None:
@@ -257,7 +257,7 @@ def _filed(r: Reading, inches: Ints, first_use: tuple[int, int]) -> dict[int, fl
                 "0 would be the same offset with the other of the two)",
             )
         if problem is not None:
-            r.found.append((entry.at, problem))
+            r.findings.append((entry.at, problem))
             wrong = True
     r.questions += dialects.of_table(r.entries, r.dialect, r.plain, bool(len(stated)))
     factor = r.machine.iso.entry_factor
@@ -315,7 +315,7 @@ def _merged(
                 file_mm=mine * unit,
                 other_mm=other * unit,
             )
-        r.found.append((entry.at, finding))
+        r.findings.append((entry.at, finding))
     own = {n: um for n, um in filed.items() if tables.assumed or entered.get(n) is None}
     given = tables.given
     return lambda n: own[n] if n in own else given(n) if given is not None else None

@@ -53,7 +53,7 @@ def take_end(r: Reading, by_word: bool = True) -> None:
             blocks=len(late),
             end=by,
         )
-        r.found.append((at, finding))
+        r.findings.append((at, finding))
     last = int(np.searchsorted(w.line_end, end))
     r.words = replace(
         w.without_words(gone),

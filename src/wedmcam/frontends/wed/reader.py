@@ -60,8 +60,8 @@ def read(
         ]
     reader = _Reader(Source(text, file), Numbers(arithmetic), defines)
     part = reader.part()
-    found = sorted(reader.scope.found, key=_place)
-    return (None if has_errors(found) else part), found
+    findings = sorted(reader.scope.findings, key=_place)
+    return (None if has_errors(findings) else part), findings
 
 
 def parse_transform(
@@ -89,13 +89,13 @@ def parse_transform(
         start = at + len(stage) - len(stage.lstrip())
         end = max(at + len(stage.rstrip()), start)
         at += len(stage) + 1
-        tree, found = parse(source, "transform", start, end)
-        scope.found += found
+        tree, findings = parse(source, "transform", start, end)
+        scope.findings += findings
         if tree is not None:
             with contextlib.suppress(Stop):
                 out.append(scope.transform(tree))
-    if scope.found:
-        return None, scope.found
+    if scope.findings:
+        return None, scope.findings
     return (out[0] if len(out) == 1 else Stages(tuple(out))), []
 
 
@@ -121,8 +121,8 @@ class _Reader:
             if piece.entry in ("brace", "open"):
                 trees.append((piece, None))
                 continue
-            tree, found = parse(self.source, piece.entry, piece.start, piece.end)
-            scope.found += found
+            tree, findings = parse(self.source, piece.entry, piece.start, piece.end)
+            scope.findings += findings
             trees.append((piece, tree))
         scope.later = {
             name.text: self.scope.span(name).line
@@ -150,8 +150,8 @@ class _Reader:
             if defined not in self.used:
                 lets = [n for n in scope.later if n not in self.blocks]
                 scope.tell_unknown("-D: no 'let' is called '{name}'", span, lets, name=defined)
-        if not self.cuts and not has_errors(scope.found):
-            scope.found.append(
+        if not self.cuts and not has_errors(scope.findings):
+            scope.findings.append(
                 error(
                     "no-cut",
                     "the program says what the part is, and cuts nothing"
@@ -170,7 +170,7 @@ class _Reader:
             name = name.strip()
             source = Source(text, place)
             if not equals or not name.isidentifier():
-                self.scope.found.append(
+                self.scope.findings.append(
                     error(
                         "wed-syntax",
                         "'{text}' is no NAME=VALUE",
@@ -179,14 +179,14 @@ class _Reader:
                     )
                 )
                 continue
-            tree, found = parse(source, "expression", len(text) - len(value), len(text))
-            self.scope.found += found
+            tree, findings = parse(source, "expression", len(text) - len(value), len(text))
+            self.scope.findings += findings
             meaning: Value | None = None
             if tree is not None:
                 scope = Scope(source, self.scope.numbers)
                 with contextlib.suppress(Stop):
                     meaning = scope.value(tree)
-                self.scope.found += scope.found
+                self.scope.findings += scope.findings
             out[name] = (meaning, source.span(0, len(name)))
         return out
 
@@ -471,7 +471,7 @@ class _Reader:
             self._close(builder, chain, corner, span)
             return
         if block is None:
-            scope.found.append(
+            scope.findings.append(
                 warning("zero-length", "this block ends where it starts and is left out", span)
             )
         elif corner is not None:

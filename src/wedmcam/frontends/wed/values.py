@@ -51,7 +51,7 @@ def kind_of(value: Value) -> str:
 
 @dataclass(slots=True)
 class Scope:
-    """Names with their values, the arithmetic, and what was found.
+    """Names with their values, the arithmetic, and findings.
 
     Attributes:
         source: the text.
@@ -60,7 +60,7 @@ class Scope:
         names: values; None for one that could not be had.
         places: where each name was given.
         later: names that are given further on, and the line.
-        found: findings.
+        findings: so far.
     """
 
     source: Source
@@ -69,7 +69,7 @@ class Scope:
     names: dict[str, Value | None] = field(default_factory=dict)
     places: dict[str, TextSpan] = field(default_factory=dict)
     later: dict[str, int] = field(default_factory=dict)
-    found: list[Diagnostic] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
 
     @property
     def factor(self) -> int:
@@ -84,12 +84,12 @@ class Scope:
         self, code: str, template: str, span: TextSpan, hint: str | None = None, **values: Any
     ) -> None:
         """Report an error; ``values`` of its template and its hint."""
-        self.found.append(error(code, template, span, hint=hint, **values))
+        self.findings.append(error(code, template, span, hint=hint, **values))
 
     def tell_wrong(self, code: str, why: Exception, span: TextSpan) -> None:
         """Report why a number or a block cannot be."""
         if isinstance(why, Wrong):
-            self.found.append(why.finding(code, span))
+            self.findings.append(why.finding(code, span))
         elif str(why):
             self.tell(code, "{reason}", span, reason=str(why))
         else:

@@ -21,7 +21,7 @@ from wedmcam.machines import Machine
 
 
 def decode(data: bytes, machine: Machine, file: str) -> tuple[Program, list[Diagnostic]]:
-    """Return the program that compact data state, and what was found on the way.
+    """Return the program that compact data state, and findings.
 
     Args:
         data: any bytes; never raises.

@@ -24,14 +24,14 @@ TORN_UM = 1.0
 
 
 def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
-    """Return the blocks of compensation data (dtype `OUTLINE`), and what was found.
+    """Return the blocks of compensation data (dtype `OUTLINE`), and findings.
 
     Blocks in error are left out. Never raises.
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
-    _, found = stream.finish(compensate(figure, 0))
-    return figure[stream.good], found
+    _, findings = stream.finish(compensate(figure, 0))
+    return figure[stream.good], findings
 
 
 def decode(

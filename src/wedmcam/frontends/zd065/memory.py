@@ -68,7 +68,7 @@ def addresses(data: bytes, length: bytes = compact.LENGTH) -> tuple[NDArray[np.i
 
 
 class Stream:
-    """The complete blocks of a memory image, and what was found about them.
+    """The complete blocks of a memory image, and findings about them.
 
     Attributes:
         starts: address of each block.
@@ -107,7 +107,7 @@ class Stream:
         self.spans = ByteSpans(file, self.starts, self.starts + self.sizes)
         self.good: Bools = np.ones(len(self.starts), dtype=bool)
         self.bad_at: Ints = np.full(len(self.starts), -1, dtype=np.int64)
-        self.found: list[tuple[int, Diagnostic]] = []
+        self.findings: list[tuple[int, Diagnostic]] = []
 
     def column(self, which: Bools, at: int, size: int) -> Ints:
         """Return the number at byte ``at`` of the chosen blocks, 0 for the others."""
@@ -140,7 +140,7 @@ class Stream:
             return {"block": i + 1, **(values(i) if values is not None else {})}
 
         for i, d in listed(severity, code, where, self.spans.__getitem__, template, of_block, hint):
-            self.found.append((int(self.starts[i]), d))
+            self.findings.append((int(self.starts[i]), d))
         if severity is Severity.ERROR:
             self.good[where] = False
 
@@ -238,10 +238,10 @@ class Stream:
             blocks = np.concatenate([blocks, stop])
             good = np.append(good, True)
             starts, sizes = np.append(starts, self.end), np.append(sizes, 1)
-        found = [*self.found, *((self.end, d) for d in self._check_end())]
+        findings = [*self.findings, *((self.end, d) for d in self._check_end())]
         # A sequence that makes spans when asked for: a tuple of a million would cost seconds.
         spans = ByteSpans(self.file, starts[good], (starts + sizes)[good])
-        return Program(blocks[good], spans=spans), in_order(found)
+        return Program(blocks[good], spans=spans), in_order(findings)
 
     @property
     def _ended(self) -> bool:
@@ -251,12 +251,12 @@ class Stream:
     def _check_end(self) -> list[Diagnostic]:
         """Return findings about the end of the data, and about a file without blocks."""
         data, end, blocks = self.data, self.end, len(self.starts)
-        found = [self._check_rest()] if blocks or end < len(data) else []
+        findings = [self._check_rest()] if blocks or end < len(data) else []
         if not blocks and (end >= len(data) or self._ended):
-            found.append(error("no-blocks", "no block in this file", FileSpan(self.file)))
+            findings.append(error("no-blocks", "no block in this file", FileSpan(self.file)))
         memory = self.machine.limits.memory_bytes
         if memory and end + 1 > memory:
-            found.append(
+            findings.append(
                 warning(
                     "over-memory",
                     "{bytes} bytes; the memory holds {most}: {loads} loads",
@@ -266,7 +266,7 @@ class Stream:
                     loads=compact.loads(self.sizes, memory),
                 )
             )
-        return [d for d in found if d is not None]
+        return [d for d in findings if d is not None]
 
     def _check_rest(self) -> Diagnostic | None:
         """Return a finding about what stands behind the last block, where it is no end byte."""

@@ -22,15 +22,15 @@ MOST_RADIUS_UM = 10_000_000
 
 
 def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
-    """Return the polar blocks of rotation data (dtype `POLAR`), and what was found.
+    """Return the polar blocks of rotation data (dtype `POLAR`), and findings.
 
     Blocks in error are left out. Never raises.
     """
     stream, figure = _fields(data, file, machine)
     stream.tell_digits()
     _check(stream, figure)
-    _, found = stream.finish(rotate(_safe(figure, stream)))
-    return figure[stream.good], found
+    _, findings = stream.finish(rotate(_safe(figure, stream)))
+    return figure[stream.good], findings
 
 
 def decode(
@@ -52,12 +52,12 @@ def decode(
     x, y = blocks["x"], blocks["y"]
     stream.tell_blocks(x, y, blocks["count"])
     stream.tell_quadrants(x, y)
-    program, found = stream.finish(blocks)
+    program, findings = stream.finish(blocks)
     if copies and stream.good.any():
         kept = figure[stream.good]
         tail = program.blocks[len(kept) :]
         program = Program(np.concatenate([rotate(kept, copies, step), tail]))
-    return program, found
+    return program, findings
 
 
 def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:

@@ -5,6 +5,8 @@ import os
 import pytest
 from hypothesis import HealthCheck, settings
 
+from wedmcam.diag import finding
+
 #: The same examples in every run: a change is judged by what it changed, not by luck. `make hunt`
 #: looks for new ones; what it finds becomes an @example.
 settings.register_profile(
@@ -16,6 +18,8 @@ settings.register_profile(
 )
 settings.register_profile("hunt", settings.get_profile("wedmcam"), derandomize=False)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "wedmcam"))
+
+finding.CHECKS = True  # values that do not fit a template are faults here
 
 
 def pytest_addoption(parser):

@@ -228,3 +228,14 @@ def test_the_page_shows_a_finding_as_it_is_written(
 def test_a_list_without_values_has_none() -> None:
     [(_, only)] = listed(Severity.ERROR, "zero-count", [3], lambda i: None, "J is 0")
     assert (only.message, only.values, only.hint) == ("J is 0", {}, None)
+
+
+def test_values_that_do_not_fit_are_refused_here_and_shown_to_a_user(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with pytest.raises(AssertionError, match="differ"):
+        error("gap-value", "{gap_mm:.3f} mm", gap_mm=None)
+    monkeypatch.setattr("wedmcam.diag.finding.CHECKS", False)
+    shown = error("gap-value", "{gap_mm:.3f} mm", hint="{way}", gap_mm=None)
+    assert shown.message == "{gap_mm:.3f} mm {'gap_mm': None}"
+    assert shown.hint == "{way} {'gap_mm': None}"

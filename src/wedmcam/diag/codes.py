@@ -213,7 +213,7 @@ CODES: dict[str, Code] = {
     ),
     "stated-twice": Code(
         "A value that an entity or the header has once is there twice, or a section is.",
-        "Readers take the first or the last; which of two radii or units is meant cannot be told. "
+        "Readers take the first or the last; which of two radii or units is meant is not known. "
         "A note where both are the same.",
         "Export the drawing again, or remove one of them at the line named.",
     ),
@@ -244,7 +244,7 @@ CODES: dict[str, Code] = {
     ),
     "insert-count": Code(
         "An INSERT with a negative number of columns or rows.",
-        "How often the block is to be cut cannot be told. A number of 0 is read as 1.",
+        "How often to cut the block is not known. A number of 0 is read as 1.",
         "Insert the block as often as it is meant, or explode it.",
     ),
     "scale-zero": Code(
@@ -770,7 +770,7 @@ CODES: dict[str, Code] = {
     ),
     "iso-code": Code(
         "An ISO code, or an axis, that is not known here and may change the path.",
-        "What a controller would cut cannot be told.",
+        "What a controller would cut is not known.",
         "Name the profile that knows it (--profile-in); or remove it, if the machine does not need "
         "it. Programs here are flat.",
     ),
@@ -804,7 +804,7 @@ CODES: dict[str, Code] = {
     ),
     "iso-d": Code(
         "G41 or G42 with a D that is missing, is no number of an offset, or was not given.",
-        "By how much the controller would offset the path cannot be told.",
+        "By how much the controller would offset the path is not known.",
         "Write D with G41 or G42, and give its offset: --d 1=0.1mm.",
     ),
     "compensation-place": Code(

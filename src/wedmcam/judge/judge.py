@@ -102,7 +102,7 @@ def _stepped_differs(stepped: Verdict) -> Diagnostic:
     return warning(
         "stepped-differs",
         "a controller that counts steps would leave the wire path by {deviation_mm:.3f} mm and "
-        "close the contours within no mm"
+        "close no contour"
         if closure is None
         else "a controller that counts steps would leave the wire path by {deviation_mm:.3f} mm "
         "and close the contours within {closure_mm:.3f} mm",

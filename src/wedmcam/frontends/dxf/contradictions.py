@@ -1,7 +1,7 @@
 """What a drawing states twice, or counts otherwise than it is: ezdxf passes over it in silence.
 
 Of two radii of one circle it takes the last, of two blocks of one name it puts both contents where
-either is inserted, and counts it does not read. Which of them is meant cannot be told, so it is an
+either is inserted, and counts it does not read. Which one is meant is not known, so it is an
 error, with the line, wherever it is about something that is read, and a warning elsewhere.
 
 Array operations find the few entities that may be concerned; only those are walked through.
@@ -332,7 +332,7 @@ def _blocks(look: _Look) -> Iterator[Diagnostic]:
                 ", also as {others}: case makes no difference", others=others
             )
         yield finding.extended(
-            " ({places}); which of them an INSERT means cannot be told"
+            " ({places}); which one an INSERT means is not known"
             if read
             else " ({places}); nothing of it is cut",
             places=_places(tags, places),

@@ -255,8 +255,8 @@ _PROBLEMS: Mapping[str, tuple[Callable[..., Diagnostic], str, str | None]] = {
     ),
     "insert-count": (
         error,
-        "{count} {entity} of block {block} with {columns} columns and {rows} rows: how often it "
-        "is to be cut cannot be told",
+        "{count} {entity} of block {block} with {columns} columns and {rows} rows: how often to "
+        "cut it is not known",
         "insert it as often as it is meant, or explode it",
     ),
     "scale-zero": (

@@ -34,7 +34,7 @@ def take_dwells(r: Reading) -> None:
         Severity.ERROR,
         "iso-code",
         other,
-        "{words}: a place or a motion in a line with G04: which of them is the time cannot be told",
+        "{words}: a place or a motion in a line with G04: which one is the time is not known",
         hint="G04 in a line of its own",
     )
     r.words = w.without_words(time)

@@ -212,7 +212,7 @@ def _tell_changes(
             Severity.ERROR,
             "compensation-place",
             rows[other],
-            "another {letter} while compensation is on: the file does not say what is made of it",
+            "another {letter} while compensation is on: no source says how the controller goes on",
             hint="G40 before the other {letter}; or, where the controller runs from the one offset "
             'to the other, offset_change = "skewed" in its profile ({profiles})',
             letter=n,

@@ -142,7 +142,7 @@ def _tell_text(r: Reading) -> None:
         if r.plain.codes[a] == ord("(") and r.plain.codes[b - 1] != ord(")"):
             finding = error(
                 "iso-word",
-                "{text}: the bracket is not closed: where the text ends differs",
+                "{text}: the bracket is not closed: controllers differ on where the text ends",
                 r.spans.at(a, b - a),
                 hint="close it on this line: some controllers read on to the next bracket",
                 text=r.plain.excerpt(a, b),
@@ -206,7 +206,8 @@ def _program(
             Severity.ERROR,
             "compensation-place",
             np.flatnonzero(lines.reset & (modes.code != OFF) & (np.arange(r.lines) <= stop_line)),
-            "G92 while compensation is on: of the outline or of the wire, differs",
+            "G92 while compensation is on: controllers differ on whether it is a place of the outline or "
+            "of the wire",
             hint="G40 in front of G92",
         )
         runs = runs_of(r, path.rows, lines.motion[path.rows], path.still, modes)

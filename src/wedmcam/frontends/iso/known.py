@@ -104,7 +104,8 @@ def _tell_owners(r: Reading, harmless: Bools) -> None:
         Severity.ERROR,
         "iso-code",
         places,
-        "{words}: a place in a line with a code that is left out: it may be a motion, or belong to the code",
+        "{words}: a place in a line with a code that is left out: it may be a motion, or belong to "
+        "the code",
         hint="say the motion on this line, or give the code a line of its own",
     )
 

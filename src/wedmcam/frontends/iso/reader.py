@@ -206,8 +206,8 @@ def _program(
             Severity.ERROR,
             "compensation-place",
             np.flatnonzero(lines.reset & (modes.code != OFF) & (np.arange(r.lines) <= stop_line)),
-            "G92 while compensation is on: controllers differ on whether it is a place of the outline "
-            "or of the wire",
+            "G92 while compensation is on: controllers differ on whether it is a place of the "
+            "outline or of the wire",
             hint="G40 in front of G92",
         )
         runs = runs_of(r, path.rows, lines.motion[path.rows], path.still, modes)

@@ -52,7 +52,7 @@ def compiled(name, arithmetic="decimal8"):
         "plan": (pipeline, "where_the_wire_goes"),
         "lower": (lowering, "lower"),
         "encode": (Stated, "write"),
-        "prove": (pipeline, "proven"),
+        "prove": (pipeline, "prove_program"),
     }
 
     spent = dict.fromkeys(STAGES, 0.0)

@@ -10,6 +10,7 @@ from wedmcam.controllers.pointwise import (
     arc_end,
     block_steps,
     deviation,
+    path,
     position,
     reversals,
     run,
@@ -240,3 +241,18 @@ def test_reversals_of_a_hole():
     assert rx.tolist() == [0, 2, 1]
     assert ry.tolist() == [0, 2, 0]
     assert reversals(HOLE, last=(-1, -1))[0].tolist() == [1, 2, 1]
+
+
+def test_a_window_at_the_end_of_a_long_line_is_the_end_of_its_path():
+    # A short piece of a line whose whole is long; pieces of short lines and arcs beside it.
+    b = blocks(
+        (LINE, 0, X, 1876, 0, 1876), (LINE, 0, X, 1200, -700, 1200), (ARC, 1, X, 250, 0, 400)
+    )
+    for table in LineTable:
+        moves = run(b, table)
+        zero = np.zeros(len(b))
+        whole = np.column_stack(path.places(b, moves, zero, zero, table))
+        for first in (723, 1400, 1499, 1875, 1876, 3000):
+            for last in (first + 1, 1876, len(whole)):
+                part = path.places(b, moves, zero, zero, table, (first, last))
+                assert np.array_equal(np.column_stack(part), whole[first:last])

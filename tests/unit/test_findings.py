@@ -32,6 +32,7 @@ UNSHOWN: set[tuple[str, str]] = set()
 #: Makers that add values themselves: name of a maker -> its values, and why it has them.
 GIVEN: dict[str, dict[str, str]] = {
     "backends/checks.py:Checks.tell": {"block": "each is about a block, by its number"},
+    "frontends/b3/reader.py:_TextTeller.tell": {"text": "each is about a text, and quotes it"},
     "frontends/iso/dialect.py:Question": {"text": "a question quotes where it first matters"},
     "frontends/iso/dialect.py:_of_words": {"text": "as of Question"},
     "frontends/iso/reading.py:Reading.tell_words": {"words": "it is about words, and lists them"},
@@ -207,9 +208,9 @@ def test_a_list_ends_with_a_count_of_the_rest(severity: Severity, one_by_one: in
 
 def test_a_finding_with_values_that_do_not_fit_is_refused_where_it_is_made() -> None:
     for template, values in (("{gap_mm}", {}), ("{gap_mm:.3f}", {"gap_mm": "wide"}), ("{", {})):
-        with pytest.raises(AssertionError, match="do not fit"):
+        with pytest.raises(AssertionError, match="differ"):
             error("zero-count", template, **values)
-        with pytest.raises(AssertionError, match="do not fit"):
+        with pytest.raises(AssertionError, match="differ"):
             note("zero-count", "J is 0", hint=template, **values)
 
 

@@ -21,10 +21,12 @@ BIDI = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\u200e\u200f\u061c
 def test_a_finding_about_any_text_is_visible(message, layer, hint, other):
     found = error(
         "branch",
-        message,
+        "{message}",
         EntityRef(other, "1", layer, layer),
-        hint=hint,
+        hint="{advice}",
         notes=((other, EntityRef("a", layer, "LINE", message)),),
+        message=message,
+        advice=hint,
     )
     for line in render(found, other).split("\n"):
         assert visible(line) == line

@@ -43,23 +43,23 @@ def decode(
     program, figure, findings = _fields(data, machine, file)
     if has_errors(findings):
         return program, findings
-    tell = _Teller(program, findings)
-    _tell_radii(tell, figure, machine)
-    gap = _whole_gap(tell, gap_um)
-    if gap and not tell.failed:
-        _tell_unfit(tell, figure, machine, gap, outwards)
-    if not gap or tell.failed:
-        return program, tell.findings
-    cutting = _cutting(tell, figure, gap, outwards)
-    return Program(cutting, spans=program.spans, words=program.words), tell.findings
+    teller = _Teller(program, findings)
+    _tell_radii(teller, figure, machine)
+    gap = _whole_gap(teller, gap_um)
+    if gap and not teller.failed:
+        _tell_unfit(teller, figure, machine, gap, outwards)
+    if not gap or teller.failed:
+        return program, teller.findings
+    cutting = _cutting(teller, figure, gap, outwards)
+    return Program(cutting, spans=program.spans, words=program.words), teller.findings
 
 
-def _tell_radii(tell: _Teller, figure: NDArray[np.void], machine: Machine) -> None:
+def _tell_radii(teller: _Teller, figure: NDArray[np.void], machine: Machine) -> None:
     """Warn of arcs whose R is not the distance of their start from their centre."""
     mm = to_mm(machine.axes.step_um)
     radius, stated = np.hypot(figure["x"], figure["y"]), figure["radius"]
     off = np.abs(radius - stated) > 2 + 0.01 * radius
-    tell(
+    teller.tell(
         Severity.WARNING,
         "radius-contradicts",
         (figure["kind"] == Kind.ARC) & (stated > 0) & off,
@@ -68,14 +68,14 @@ def _tell_radii(tell: _Teller, figure: NDArray[np.void], machine: Machine) -> No
     )
 
 
-def _whole_gap(tell: _Teller, gap_um: float) -> int:
+def _whole_gap(teller: _Teller, gap_um: float) -> int:
     """Return the gap in whole um, 0 with a finding for one that a controller does not take."""
     gap = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= b4.MOST_GAP_UM else 0
     if gap != gap_um:
-        tell(
+        teller.tell(
             Severity.ERROR,
             "gap-value",
-            np.arange(len(tell.program.blocks)) == 0,
+            np.arange(len(teller.program.blocks)) == 0,
             "a gap of {gap_um:g} um; whole um from 0 to {most_um} are taken",
             lambda i: {"gap_um": gap_um, "most_um": b4.MOST_GAP_UM},
         )
@@ -83,13 +83,13 @@ def _whole_gap(tell: _Teller, gap_um: float) -> int:
 
 
 def _tell_unfit(
-    tell: _Teller, figure: NDArray[np.void], machine: Machine, gap: int, outwards: bool
+    teller: _Teller, figure: NDArray[np.void], machine: Machine, gap: int, outwards: bool
 ) -> None:
     """Refuse arcs and joints that cannot be offset by a gap, um."""
     arc, err = figure["kind"] == Kind.ARC, Severity.ERROR
     mm = to_mm(machine.axes.step_um)
     stated, grows = figure["radius"], figure["grows"].astype(np.int64)
-    tell(
+    teller.tell(
         err,
         "bad-type",
         arc & ((grows == 0) | (stated < 1)),
@@ -97,7 +97,7 @@ def _tell_unfit(
         hint="write B R and D (convex) or DD (concave) before G",
     )
     after = stated + grows * (1 if outwards else -1) * gap
-    tell(
+    teller.tell(
         err,
         "gap-value",
         arc & (after <= 0),
@@ -105,8 +105,8 @@ def _tell_unfit(
         "shrinks",
         lambda i: {"radius_mm": mm(stated[i]), "gap_mm": mm(gap)},
     )
-    angle, allowed, joint = _joints(tell.program.blocks, gap, machine.own_stepping)
-    tell(
+    angle, allowed, joint = _joints(teller.program.blocks, gap, machine.own_stepping)
+    teller.tell(
         err,
         "not-tangent",
         joint & (angle > allowed),
@@ -116,14 +116,16 @@ def _tell_unfit(
     )
 
 
-def _cutting(tell: _Teller, figure: NDArray[np.void], gap: int, outwards: bool) -> NDArray[np.void]:
+def _cutting(
+    teller: _Teller, figure: NDArray[np.void], gap: int, outwards: bool
+) -> NDArray[np.void]:
     """Return the blocks with their arcs offset by a gap, um, and refuse arcs that vanish."""
-    cutting = tell.program.blocks.copy()
+    cutting = teller.program.blocks.copy()
     arc = cutting["kind"] == Kind.ARC
     scaled = compensate(figure, gap, outwards)
     for name in ("x", "y", "count"):
         cutting[name][arc] = scaled[name][arc]
-    tell(
+    teller.tell(
         Severity.ERROR,
         "zero-count",
         arc & ((cutting["count"] < 1) | (cutting["x"] ** 2 + cutting["y"] ** 2 < 2)),
@@ -138,7 +140,7 @@ class _Teller:
     def __init__(self, program: Program, findings: list[Diagnostic]) -> None:
         self.program, self.findings, self.failed = program, list(findings), False
 
-    def __call__(
+    def tell(
         self,
         severity: Severity,
         code: str,

@@ -212,8 +212,8 @@ def _fill(runs: _Runs, x: NDArray[Any], y: NDArray[Any]) -> None:
     ramp = np.arange(1.0, most + 1.0)
     half = 0.5 * ramp[:PIECE]
     scratch = np.empty((2, min(PIECE, most)))
-    # The end of a long line is as one: its w is not that of a short run.
-    late = ~runs.is_arc & (-runs.shift >= LONG)
+    # A piece of a long line is as one, wherever it lies: its w is not that of a short run.
+    late = ~runs.is_arc & (runs.length - runs.shift >= LONG)
     long_rows = np.flatnonzero((runs.length >= LONG) | late)
     long_runs = zip(*(column.tolist() for column in runs.take(long_rows)), strict=True)
     long_at = iter([*long_rows.tolist(), total])

@@ -225,7 +225,7 @@ class _Teller:
         self.good, self.findings = read.copy(), list[tuple[int, Diagnostic]]()
         self._spans = spans
 
-    def __call__(
+    def tell(
         self,
         severity: Severity,
         code: str,
@@ -278,18 +278,18 @@ def _blocks(
     records: Records, read: Bools, machine: Machine, spans: TextSpans
 ) -> tuple[NDArray[np.void], Bools, list[tuple[int, Diagnostic]]]:
     """Return a block for each record, which of those to ``read`` are good, findings by record."""
-    tell, columns = _Teller(read, spans), _Columns(records)
-    _tell_limits(tell, columns, records, machine)
-    _tell_endless(tell, columns, records, machine)
-    _tell_quadrants(tell, columns)
-    _tell_counts(tell, columns, machine)
+    teller, columns = _Teller(read, spans), _Columns(records)
+    _tell_limits(teller, columns, records, machine)
+    _tell_endless(teller, columns, records, machine)
+    _tell_quadrants(teller, columns)
+    _tell_counts(teller, columns, machine)
     blocks = np.zeros(len(columns.x), dtype=BLOCK)
     blocks["kind"] = np.where(columns.line, Kind.LINE, Kind.ARC)
     blocks["turn"] = columns.turn
     blocks["axis"] = records.axis
     blocks["x"], blocks["y"], blocks["count"] = columns.x, columns.y, columns.count
     blocks["source"] = -1
-    return blocks, tell.good, tell.findings
+    return blocks, teller.good, teller.findings
 
 
 def _largest(columns: _Columns, machine: Machine) -> Ints:
@@ -297,12 +297,12 @@ def _largest(columns: _Columns, machine: Machine) -> Ints:
     return np.where(columns.line, machine.limits.line_um, machine.limits.arc_um)
 
 
-def _tell_limits(tell: _Teller, columns: _Columns, records: Records, machine: Machine) -> None:
+def _tell_limits(teller: _Teller, columns: _Columns, records: Records, machine: Machine) -> None:
     """Refuse numbers over the limits of the controller, and J = 0."""
     limits, mm = machine.limits, to_mm(machine.axes.step_um)
     count, largest = columns.count, _largest(columns, machine)
     widest = np.maximum(records.x, records.y)
-    tell(
+    teller.tell(
         Severity.ERROR,
         "over-limit",
         count > limits.count_um,
@@ -310,7 +310,7 @@ def _tell_limits(tell: _Teller, columns: _Columns, records: Records, machine: Ma
         lambda i: {"count_mm": mm(count[i]), "most_mm": mm(limits.count_um)},
         hint="split the block",
     )
-    tell(
+    teller.tell(
         Severity.ERROR,
         "over-limit",
         widest > largest,
@@ -322,7 +322,7 @@ def _tell_limits(tell: _Teller, columns: _Columns, records: Records, machine: Ma
         },
         hint="split the block" if limits.line_um == limits.arc_um else None,
     )
-    tell(
+    teller.tell(
         Severity.ERROR,
         "zero-count",
         count == 0,
@@ -331,25 +331,25 @@ def _tell_limits(tell: _Teller, columns: _Columns, records: Records, machine: Ma
     )
 
 
-def _tell_endless(tell: _Teller, columns: _Columns, records: Records, machine: Machine) -> None:
+def _tell_endless(teller: _Teller, columns: _Columns, records: Records, machine: Machine) -> None:
     """Refuse records that never end."""
     xs, ys, line, on_y = columns.xs, columns.ys, columns.line, columns.on_y
     # Squares of what is over a limit, and refused already, may overflow.
     over = np.maximum(records.x, records.y) > _largest(columns, machine)
     radius2 = np.where(over, 2, xs * xs + ys * ys)
-    tell(
+    teller.tell(
         Severity.ERROR,
         "arc-too-small",
         ~line & (radius2 == 0),
         "X = Y = 0: the arc starts on its own centre",
     )
-    tell(
+    teller.tell(
         Severity.ERROR,
         "arc-too-small",
         ~line & (radius2 == 1),
         "the arc starts 0.001 mm from its centre and never ends",
     )
-    tell(
+    teller.tell(
         Severity.ERROR,
         "endless-block",
         line & (np.where(on_y, ys, xs) == 0),
@@ -358,12 +358,12 @@ def _tell_endless(tell: _Teller, columns: _Columns, records: Records, machine: M
     )
 
 
-def _tell_quadrants(tell: _Teller, columns: _Columns) -> None:
+def _tell_quadrants(teller: _Teller, columns: _Columns) -> None:
     """Say where the instruction names the neighbour of the quadrant that a record enters."""
     x, y, turn = columns.x, columns.y, columns.turn
-    safe_x, safe_y = np.where(tell.good, x, 1), np.where(tell.good, y, 1)
+    safe_x, safe_y = np.where(teller.good, x, 1), np.where(teller.good, y, 1)
     right = quadrants.quadrant(safe_x, safe_y, turn)
-    repaired = tell.good & (right != columns.named)
+    repaired = teller.good & (right != columns.named)
 
     def repair(i: int) -> dict[str, object]:
         code = b3.instruction(turn[i : i + 1], right[i : i + 1])[0]
@@ -373,14 +373,14 @@ def _tell_quadrants(tell: _Teller, columns: _Columns) -> None:
             "axis": ("+X", "+Y", "-X", "-Y")[2 * int(x[i] + y[i] < 0) + int(x[i] == 0)],
         }
 
-    tell(
+    teller.tell(
         Severity.WARNING,
         "quadrant-repaired",
         repaired & columns.line,
         "{instruction} read as {repaired}: the line runs along {axis}",
         repair,
     )
-    tell(
+    teller.tell(
         Severity.NOTE,
         "quadrant-repaired",
         repaired & ~columns.line,
@@ -389,20 +389,20 @@ def _tell_quadrants(tell: _Teller, columns: _Columns) -> None:
     )
 
 
-def _tell_counts(tell: _Teller, columns: _Columns, machine: Machine) -> None:
+def _tell_counts(teller: _Teller, columns: _Columns, machine: Machine) -> None:
     """Warn of counts that end a line beside its end, or an arc behind a full circle."""
     line, x, y, count = columns.line, columns.x, columns.y, columns.count
     mm = to_mm(machine.axes.step_um)
     other_axis = machine.own_stepping.line_count(x, y)[0] != columns.on_y
     diagonal = columns.xs == columns.ys
-    tell(
+    teller.tell(
         Severity.WARNING,
         "count-axis",
         line & other_axis & ~diagonal,
         "counted on {counted}, the shorter axis: the end of the line is inexact",
         lambda i: {"counted": columns.counted(i)},
     )
-    tell(
+    teller.tell(
         Severity.WARNING,
         "count-axis",
         line & other_axis & diagonal,
@@ -415,7 +415,7 @@ def _tell_counts(tell: _Teller, columns: _Columns, machine: Machine) -> None:
             "exact": "GX" if columns.on_y[i] else "GY",
         },
     )
-    tell(
+    teller.tell(
         Severity.WARNING,
         "more-than-a-turn",
         ~line & (count > b3.largest_turn(x, y)),
@@ -463,7 +463,7 @@ class _TextTeller:
         self.findings: list[tuple[int, Diagnostic]] = []
         self._text, self._spans = text, spans
 
-    def __call__(
+    def tell(
         self,
         severity: Severity,
         code: str,
@@ -497,41 +497,41 @@ def _surroundings(
     records: Records,
 ) -> list[tuple[int, Diagnostic]]:
     """Return findings about the text around the records, by offset."""
-    tell = _TextTeller(gaps.plain, spans)
-    _tell_fragments(tell, gaps)
+    teller = _TextTeller(gaps.plain, spans)
+    _tell_fragments(teller, gaps)
     dropped = np.flatnonzero(commented)
-    tell(
+    teller.tell(
         Severity.WARNING,
         "commented-record",
         [(int(records.start[i]), int(records.end[i])) for i in dropped[:1]] * len(dropped),
         "record '{text}' stands in a comment and was not read",
     )
-    _tell_control_words(tell, gaps, machine)
+    _tell_control_words(teller, gaps, machine)
     ours = {line.strip() for line in (*machine.layout.header, *machine.layout.footer)}
     texts = [(a, b) for a, b in gaps.texts if gaps.plain.excerpt(a, b, _LONG) not in ours]
-    tell(Severity.NOTE, "text-skipped", texts, "text around the records: '{text}'")
+    teller.tell(Severity.NOTE, "text-skipped", texts, "text around the records: '{text}'")
     if not machine.layout.end_coordinates:
-        tell(
+        teller.tell(
             Severity.NOTE,
             "text-skipped",
             [(a, a + 1) for a in gaps.coordinates],
             "end coordinates behind the records are not used",
             lambda a, b: {},
         )
-    return tell.findings
+    return teller.findings
 
 
-def _tell_fragments(tell: _TextTeller, gaps: _Gaps) -> None:
+def _tell_fragments(teller: _TextTeller, gaps: _Gaps) -> None:
     """Refuse what looks like a record and is none of 3B."""
     codes = gaps.plain.codes
-    tell(
+    teller.tell(
         Severity.ERROR,
         "bad-record",
         gaps.bad,
         "'{text}' is no 3B record: {reason}",
-        lambda a, b: {**tell.quoted(a, b), "reason": _why(codes[a : min(b, a + _LONG)])},
+        lambda a, b: {**teller.quoted(a, b), "reason": _why(codes[a : min(b, a + _LONG)])},
     )
-    tell(
+    teller.tell(
         Severity.ERROR,
         "unsupported-4b",
         gaps.four,
@@ -540,16 +540,16 @@ def _tell_fragments(tell: _TextTeller, gaps: _Gaps) -> None:
     )
 
 
-def _tell_control_words(tell: _TextTeller, gaps: _Gaps, machine: Machine) -> None:
+def _tell_control_words(teller: _TextTeller, gaps: _Gaps, machine: Machine) -> None:
     """Warn of control words that the machine has not, and of those within other text."""
     words = machine.words
-    tell(
+    teller.tell(
         Severity.WARNING,
         "unknown-word",
         [(a, b) for a, b, kind in gaps.words if kind == Kind.WORD],
         "'{text}' is no control word of {machine}; kept as it is",
         lambda a, b: {
-            **tell.quoted(a, b),
+            **teller.quoted(a, b),
             "machine": machine.name,
             "pause": words.pause,
             "stop": words.stop,
@@ -557,7 +557,7 @@ def _tell_control_words(tell: _TextTeller, gaps: _Gaps, machine: Machine) -> Non
         },
         hint="known are {pause} (pause), {stop} (stop) and {end} (end)",
     )
-    tell(
+    teller.tell(
         Severity.WARNING,
         "hidden-control-word",
         gaps.hidden,

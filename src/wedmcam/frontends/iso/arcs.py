@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from wedmcam.controllers import Stepping
 from wedmcam.diag import Severity
 from wedmcam.formats import iso
-from wedmcam.frontends.iso.reading import Reading
+from wedmcam.frontends.iso.reading import ArcTeller, Reading
 from wedmcam.ir.program import BLOCK, Axis, Kind
 
 Ints = NDArray[np.int64]
@@ -79,14 +78,14 @@ class Radii:
 
 
 def centres_of(
-    tell: Callable[..., None], which: Bools, arcs: Arcs, radius_nm: Ints
+    teller: ArcTeller, which: Bools, arcs: Arcs, radius_nm: Ints
 ) -> tuple[Floats, Floats]:
     """Return the centres from R: positive below half a turn, else above; report ``which`` alone."""
     sx, sy = arcs.sx, arcs.sy
     radius = np.abs(radius_nm) / 1000.0
     dx, dy = (arcs.ex - sx).astype(float), (arcs.ey - sy).astype(float)
     chord = np.hypot(dx, dy)
-    tell(
+    teller.tell(
         which & (chord / 2 > radius + 1.0),
         "R is {radius_mm:.3f} mm, half the chord {half_mm:.3f} mm",
         lambda i: {"radius_mm": float(radius[i] / 1000), "half_mm": float(chord[i] / 2000)},

@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from wedmcam.diag import Severity
 from wedmcam.formats import iso
-from wedmcam.formats.listing import Values
 from wedmcam.frontends.iso.arcs import Arcs, Radii, centres_of, grid, nearest, stepped_arcs
 from wedmcam.frontends.iso.centres import Centres, ask, centres_by_rule, tell_far
 from wedmcam.frontends.iso.lines import Lines
 from wedmcam.frontends.iso.modes import Runs
-from wedmcam.frontends.iso.reading import Reading
+from wedmcam.frontends.iso.reading import ArcTeller, Reading
 from wedmcam.ir.program import BLOCK, Kind
 from wedmcam.ir.programmed import PROGRAMMED
 
@@ -165,18 +164,18 @@ def _centres(r: Reading, path: Path, arcs: Arcs) -> tuple[list[Floats], Ints, In
         places.starts,
         places.ends,
     )
-    tell = _Teller(r, arcs.lines)
+    teller = ArcTeller(r, arcs.lines)
     both, neither = arcs.by_radius & arcs.by_centre, ~arcs.by_radius & ~arcs.by_centre
-    tell(both, "both a centre (I, J) and a radius R")
-    tell(neither, "an arc without a centre (I, J) or a radius R")
+    teller.tell(both, "both a centre (I, J) and a radius R")
+    teller.tell(neither, "an arc without a centre (I, J) or a radius R")
     alone = (has["I"] ^ has["J"])[arcs.lines] & centres.by_place & (centres.shift > 0) & ~both
-    tell(alone, "I or J alone: the place of a centre is both")
-    tell(
+    teller.tell(alone, "I or J alone: the place of a centre is both")
+    teller.tell(
         arcs.by_radius & arcs.closed,
         "R with an end that is the start: the centre may be anywhere",
     )
     of_radius = arcs.by_radius & ~arcs.closed
-    from_radius = centres_of(tell, of_radius, arcs, path.nm["R"][arcs.lines])
+    from_radius = centres_of(teller, of_radius, arcs, path.nm["R"][arcs.lines])
     x, y = (
         np.where(of_radius, nearest(c), grid(nm))
         for c, nm in zip(from_radius, centres.exact_nm, strict=True)
@@ -185,52 +184,26 @@ def _centres(r: Reading, path: Path, arcs: Arcs) -> tuple[list[Floats], Ints, In
         np.where(of_radius, c, nm / 1000.0)
         for c, nm in zip(from_radius, centres.exact_nm, strict=True)
     ]
-    _tell_radii(tell, arcs, Radii(arcs.sx - x, arcs.sy - y, arcs.ex - x, arcs.ey - y), centres)
+    _tell_radii(teller, arcs, Radii(arcs.sx - x, arcs.sy - y, arcs.ex - x, arcs.ey - y), centres)
     return exact, x, y
 
 
-class _Teller:
-    """Collects findings about arcs; about one with an error no more."""
-
-    def __init__(self, r: Reading, lines: Ints) -> None:
-        self.reading, self._lines = r, lines
-
-    def __call__(
-        self,
-        mask: Bools,
-        template: str,
-        values: Values | None = None,
-        hint: str | None = None,
-        **common: object,
-    ) -> None:
-        where = np.flatnonzero(mask & ~self.reading.bad[self._lines])
-        self.reading.tell_lines(
-            Severity.ERROR,
-            "iso-arc",
-            self._lines[where],
-            template,
-            (lambda i: values(int(where[i]))) if values is not None else None,
-            hint,
-            **common,
-        )
-
-
-def _tell_radii(tell: _Teller, arcs: Arcs, radii: Radii, centres: Centres) -> None:
+def _tell_radii(teller: ArcTeller, arcs: Arcs, radii: Radii, centres: Centres) -> None:
     """Report arcs that are too small, and those whose end is not on their circle."""
     x, y = radii.x, radii.y
     radius, reach = np.hypot(x, y), np.hypot(radii.fx, radii.fy)
     one_way = arcs.by_radius ^ arcs.by_centre
     # As in 3B: no step leads round.
-    tell(one_way & (radius == 0), "the centre is the start: the arc has no radius")
-    tell(
+    teller.tell(one_way & (radius == 0), "the centre is the start: the arc has no radius")
+    teller.tell(
         one_way & (x * x + y * y == 1),
         "the arc starts 0.001 mm from its centre and never ends",
     )
     off = np.abs(reach - radius)
     stated = ~arcs.by_radius & arcs.by_centre
-    ask(tell.reading, arcs.lines, stated, centres)
+    ask(teller.reading, arcs.lines, stated, centres)
     tell_far(
-        tell,
+        teller,
         off > iso.END_UM,
         stated,
         lambda i: {

@@ -7,7 +7,6 @@ start.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -18,12 +17,11 @@ from wedmcam.formats.iso import PER_CODE
 from wedmcam.formats.listing import Values
 from wedmcam.frontends.iso import dialect as dialects
 from wedmcam.frontends.iso.arcs import fits
-from wedmcam.frontends.iso.reading import Reading, filled
+from wedmcam.frontends.iso.reading import ArcTeller, Reading, filled
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
-Tell = Callable[..., None]
 
 
 class Rule(IntEnum):
@@ -166,13 +164,17 @@ _FAR = (
 )
 
 
-def tell_far(tell: Tell, far: Bools, stated: Bools, values: Values, centres: Centres) -> None:
+def tell_far(
+    teller: ArcTeller, far: Bools, stated: Bools, values: Values, centres: Centres
+) -> None:
     """Report arcs that end beside their circle, with the rule that they would fit."""
     left = far.copy()
     for name, rule in _ANSWERS.items():
         if not (left & stated).any():
             break
         one = left & stated & (centres.rule != rule) & fits(centres.ends, centres.by[rule])
-        tell(one, _FAR, values, hint="I and J fit as --centres-in {rule} reads them", rule=name)
+        teller.tell(
+            one, _FAR, values, hint="I and J fit as --centres-in {rule} reads them", rule=name
+        )
         left &= ~one
-    tell(left, _FAR, values, hint="check I and J: from the start to the centre, signed")
+    teller.tell(left, _FAR, values, hint="check I and J: from the start to the centre, signed")

@@ -225,3 +225,30 @@ def column(r: Reading, letter: str) -> tuple[Ints, Bools, Bools, Ints]:
     value[lines], has[lines] = (w.whole[mask] + 10**over // 2) // 10**over, True
     pointed[lines], decimals[lines] = w.pointed[mask], w.decimals[mask] - over
     return value, has, pointed, decimals
+
+
+class ArcTeller:
+    """Collects findings about arcs; about one with an error no more."""
+
+    def __init__(self, r: Reading, lines: Ints) -> None:
+        self.reading, self._lines = r, lines
+
+    def tell(
+        self,
+        mask: Bools,
+        template: str,
+        values: Values | None = None,
+        hint: str | None = None,
+        **common: object,
+    ) -> None:
+        """Report arcs of ``mask`` that have no error yet, by their numbers."""
+        where = np.flatnonzero(mask & ~self.reading.bad[self._lines])
+        self.reading.tell_lines(
+            Severity.ERROR,
+            "iso-arc",
+            self._lines[where],
+            template,
+            (lambda i: values(int(where[i]))) if values is not None else None,
+            hint,
+            **common,
+        )

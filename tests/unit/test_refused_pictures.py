@@ -132,3 +132,15 @@ def test_strict_refusals_are_drawn_too(tmp_path):
     result = run("plot", str(tmp_path / "p.dxf"), "-o", str(tmp_path / "x.svg"), "--strict")
     assert result.return_value == 1
     assert (tmp_path / "x.svg").exists()
+
+
+def test_a_program_that_is_refused_is_drawn_as_it_was_read(tmp_path):
+    program = tmp_path / "g.nc"
+    program.write_text("G90 G21\nG42 D1 G01 X1. Y0.\nX10.\nY10.\nX0.\nG40 Y0.\nM02\n")
+    picture = tmp_path / "g.svg"
+    arguments = ["plot", str(program), "-o", str(picture), "--d", "1=2mm"]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 1
+    assert "error[compensation-lead]" in result.output
+    assert "shows what was read, with the places marked" in result.output
+    assert "compensation-lead" in picture.read_text()

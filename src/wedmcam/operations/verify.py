@@ -226,8 +226,9 @@ def _decode(case: _Case, known: _Evidence, planning: Run, run: Run) -> Program:
         _plan(case, known, planning, run)
     entries = replace(target.entered(_stated_entries(options), known.plan), dialect=case.dialect)
     run.add("decode", _offsets_of_plan(entries, target, options))
-    program, known.read = target.read(case.data, case.name, entries)
-    program = known.program = run("decode", (program, known.read))
+    # What is refused is known too: a picture shows what was read.
+    known.program, known.read = target.read(case.data, case.name, entries)
+    program = run("decode", (known.program, known.read))
     drawing = case.drawing if known.drawn else None
     kind = None
     if drawing is not None:

@@ -23,7 +23,8 @@ def test_the_commands_of_the_page_print_what_it_shows(tmp_path):
     assert len(commands) >= 8
     wedmcam = f"{shlex.quote(sys.executable)} -m wedmcam"
     for line, shown in commands:
-        command = re.sub(r"\bwedmcam (?=[a-z])", f"{wedmcam} ", line).replace("/tmp", str(tmp_path))
+        there = line.replace("/tmp", str(tmp_path))
+        command = re.sub(r"\bwedmcam (?=[a-z]+ )", f"{wedmcam} ", there)
         ran = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, text=True)
         assert ran.returncode == 0, f"{line}: {ran.stderr}"
         output = iter((ran.stdout + ran.stderr).splitlines())

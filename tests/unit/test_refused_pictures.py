@@ -140,7 +140,7 @@ def test_a_program_that_is_refused_is_drawn_as_it_was_read(tmp_path):
     picture = tmp_path / "g.svg"
     arguments = ["plot", str(program), "-o", str(picture), "--d", "1=2mm"]
     result = CliRunner().invoke(cli, arguments)
-    assert result.exit_code == 1
+    assert result.return_value == 1
     assert "error[compensation-lead]" in result.output
     assert "shows what was read, with the places marked" in result.output
     assert "compensation-lead" in picture.read_text()

@@ -139,7 +139,7 @@ def test_a_program_that_is_refused_is_drawn_as_it_was_read(tmp_path):
     program.write_text("G90 G21\nG42 D1 G01 X1. Y0.\nX10.\nY10.\nX0.\nG40 Y0.\nM02\n")
     picture = tmp_path / "g.svg"
     arguments = ["plot", str(program), "-o", str(picture), "--d", "1=2mm"]
-    result = CliRunner().invoke(cli, arguments)
+    result = run(*arguments)
     assert result.return_value == 1
     assert "error[compensation-lead]" in result.output
     assert "shows what was read, with the places marked" in result.output

@@ -143,4 +143,4 @@ def test_a_program_that_is_refused_is_drawn_as_it_was_read(tmp_path):
     assert result.return_value == 1
     assert "error[compensation-lead]" in result.output
     assert "shows what was read, with the places marked" in result.output
-    assert "compensation-lead" in picture.read_text()
+    assert "Wire path of 5 cutting blocks" in picture.read_text()

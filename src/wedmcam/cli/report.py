@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wedmcam.cli.terminal import print_text
 from wedmcam.compiler.results import Compilation, Proof
 from wedmcam.compiler.sources import Drawn
 from wedmcam.geom import measure
 from wedmcam.ir.understanding import HEADINGS, Understanding
-from wedmcam.judge.difference import Difference
 from wedmcam.judge.verdict import Verdict
 from wedmcam.programs.places import with_time
+
+if TYPE_CHECKING:
+    from wedmcam.judge.difference import Difference
 
 
 def print_time(summary: dict[str, Any], feed_um: float | None) -> None:

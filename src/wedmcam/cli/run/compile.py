@@ -26,12 +26,10 @@ from wedmcam.cli.outputs import (
     write_refused,
 )
 from wedmcam.cli.source import compile_source, measure_arithmetics, read_source
-from wedmcam.cli.split import compile_split
 from wedmcam.cli.terminal import print_json
 from wedmcam.compiler.results import Compilation
 from wedmcam.machines import Machine
 from wedmcam.programs.places import with_time
-from wedmcam.reports import setup_sheet
 
 
 def run_compile(
@@ -58,6 +56,8 @@ def run_compile(
     check_picture(plot_)
     if split:
         _check_split(output, as_drawing, params)
+        from wedmcam.cli.split import compile_split
+
         return compile_split(input_, machine, outputs, params)
     return _compile_one(input_, machine, outputs, as_drawing, dump_after, params)
 
@@ -139,7 +139,9 @@ def _report_refused(compilation: Compilation, outputs: Outputs, source: str, jso
 def _sheet(compilation: Compilation, outputs: Outputs, name: str, params: dict[str, Any]) -> bytes:
     """Return the setup sheet; it shows the picture that is written with it."""
     plot = outputs.plot
-    return setup_sheet.write_sheet(
+    from wedmcam.reports.setup_sheet import write_sheet
+
+    return write_sheet(
         compilation,
         Path(outputs.program).name,
         name,

@@ -7,8 +7,8 @@ from typing import Any
 from wedmcam import api
 from wedmcam.cli import options as ask
 from wedmcam.cli.files import read_input, shown_name
+from wedmcam.cli.inspection import print_inspection
 from wedmcam.cli.progress import waiting
-from wedmcam.cli.tables import print_inspection
 from wedmcam.cli.terminal import print_findings, print_json
 
 

@@ -17,7 +17,6 @@ from wedmcam.cli.source import Source
 from wedmcam.cli.terminal import print_findings
 from wedmcam.compiler.results import Compilation, Inspection, Proof
 from wedmcam.formats.names import FORMAT_OF_SUFFIX, PROGRAM_FORMATS
-from wedmcam.frontends.identify import identify
 from wedmcam.machines import Machine
 
 
@@ -52,6 +51,8 @@ def run_plot(input_: str, output: str, contours: bool, **params: Any) -> int:
 
 
 def _is_program(data: bytes) -> bool:
+    from wedmcam.frontends.identify import identify
+
     seen = identify(data)
     return seen.format in PROGRAM_FORMATS
 

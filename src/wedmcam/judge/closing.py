@@ -18,7 +18,7 @@ from wedmcam.controllers import Stepping
 from wedmcam.controllers.stepping import Blocks
 from wedmcam.diag import Diagnostic, warning
 from wedmcam.ir.program import Axis, Kind, Program
-from wedmcam.judge.match import EARLY, RECOMPUTED
+from wedmcam.judge.pieces import EARLY, RECOMPUTED
 from wedmcam.judge.segments import Ints
 from wedmcam.judge.stretches import per_mm, place, span_of, stretches
 from wedmcam.judge.totals import MEANT_CLOSED

@@ -17,7 +17,8 @@ from wedmcam.diag import Diagnostic, error, note
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
 from wedmcam.judge.in_steps import in_steps
-from wedmcam.judge.match import Piece, lies_on, path_box, pieces
+from wedmcam.judge.match import lies_on, path_box
+from wedmcam.judge.pieces import Piece, pieces
 from wedmcam.judge.route import of_contours
 from wedmcam.judge.segments import Floats, nearest
 from wedmcam.judge.stretches import per_mm, place

@@ -21,8 +21,10 @@ import exact_arithmetic
 import parts
 import wedmcam
 from wedmcam.arithmetic import FLOAT64
-from wedmcam.controllers import zd065
 from wedmcam.controllers.pointwise import run
+from wedmcam.controllers.scaling import scale
+from wedmcam.controllers.zd065.data import OUTLINE, POLAR
+from wedmcam.controllers.zd065.rotation import rotate
 from wedmcam.decimal8 import DECIMAL8
 from wedmcam.ir.contour import Contour, vertices
 from wedmcam.ir.program import BLOCK, Axis, Kind
@@ -163,7 +165,7 @@ def by_running(x, y, ex, ey, geometric):
 def machine_rotation(radius, count):
     """A block in rotation format, as the ZD-065 turns it: its numbers against the exact ones."""
     rng = np.random.default_rng(radius + 1)
-    figure = np.zeros(count, zd065.POLAR)
+    figure = np.zeros(count, POLAR)
     figure["kind"] = np.where(rng.random(count) < 0.5, Kind.ARC, Kind.LINE)
     figure["turn"] = np.where(figure["kind"] == Kind.ARC, 1, 0)
     figure["start"] = np.round(rng.uniform(0, 359, count), 5)
@@ -172,7 +174,7 @@ def machine_rotation(radius, count):
         figure["kind"] == Kind.ARC, np.round(rng.uniform(1, 90, count), 6), 0
     )
     copies, step = 7, 45.1234
-    made = zd065.rotate(figure, copies, step)
+    made = rotate(figure, copies, step)
     worst = 0.0
     with mpmath.workdps(50):
         for k in range(copies + 1):
@@ -206,13 +208,13 @@ def our_rotation(size, count):
 def machine_compensation(radius, gap, count):
     """Arcs of the compensation format, scaled by the ZD-065: errors of x, y and of the end, um."""
     rng = np.random.default_rng(radius + gap)
-    figure = np.zeros(count, zd065.OUTLINE)
+    figure = np.zeros(count, OUTLINE)
     start, sweep = rng.uniform(0, 2 * np.pi, count), rng.uniform(0.2, 1.5, count)
     figure["kind"], figure["turn"], figure["grows"], figure["radius"] = Kind.ARC, 1, 1, radius
     figure["x"] = np.rint(radius * np.cos(start))
     figure["y"] = np.rint(radius * np.sin(start))
     figure["count"] = projections(np.full(count, float(radius)), start, sweep, Axis.SQUARE)
-    made = zd065.compensate(figure, gap)
+    made = scale(figure, gap)
     r = radius + gap
     corner = np.hypot(made["x"] - r * np.cos(start), made["y"] - r * np.sin(start)).max()
     end = off_end(made, r * np.cos(start + sweep), r * np.sin(start + sweep)).max()
@@ -278,12 +280,12 @@ def rotated_copies(copies):
         inner, outer = sorted(rng.integers(10_000, 60_000, 2).tolist())
         step = 360.0 / copies
         share = round(step / 2, 6)
-        figure = np.zeros(4, zd065.POLAR)
+        figure = np.zeros(4, POLAR)
         figure[0] = (Kind.ARC, 1, 0.0, outer, share)
         figure[1] = (Kind.LINE, 0, (180.0 + share) % 360, outer - inner, 0.0)
         figure[2] = (Kind.ARC, 1, share, inner, step - share)
         figure[3] = (Kind.LINE, 0, step, outer - inner, 0.0)
-        moves = run(zd065.rotate(figure, copies - 1, step))
+        moves = run(rotate(figure, copies - 1, step))
         closures.append(float(np.hypot(moves.dx.sum(), moves.dy.sum())))
     return float(np.median(closures)), max(closures)
 

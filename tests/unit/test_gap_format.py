@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wedmcam import machines
-from wedmcam.backends.zd065.compensation import encode, outline
-from wedmcam.controllers.zd065 import compensate
+from wedmcam.backends.scaled import outline
+from wedmcam.backends.zd065.compensation import encode
+from wedmcam.controllers.scaling import scale
 from wedmcam.diag import Severity
 from wedmcam.frontends.identify import identify
 from wedmcam.frontends.zd065.compensation import decode, read
@@ -112,7 +113,7 @@ def test_how_many_arcs_come_out_exactly(sign, least):
     blocks["x"], blocks["y"] = np.round(r * np.cos(a)), np.round(r * np.sin(a))
     blocks["count"] = rng.uniform(0.3, 5, n) * r
     grown = np.full(n, sign, np.int64)
-    made = compensate(outline(blocks, 100, True, grown), 100, True)
+    made = scale(outline(blocks, 100, True, grown), 100, True)
     same = np.ones(n, bool)
     for name in ("x", "y", "count"):
         same &= made[name] == blocks[name]

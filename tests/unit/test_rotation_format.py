@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from wedmcam import machines
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.rotation import encode
-from wedmcam.controllers.zd065 import POLAR, rotate, square_count
+from wedmcam.controllers.zd065.data import POLAR
+from wedmcam.controllers.zd065.rotation import rotate, square_count
 from wedmcam.diag import Severity
 from wedmcam.frontends.identify import identify
 from wedmcam.frontends.zd065.compact import decode as decode_compact

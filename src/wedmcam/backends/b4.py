@@ -1,8 +1,7 @@
 """Write 4B: the outline in the layout of a 3B profile, with R and D or DD before G.
 
 The controller scales X, Y and J of each arc and rounds. So for each arc of the offset path numbers
-are sought that come out as the arc that was proven, as for the ZD-065's compensation format
-(`backends.gap`); only the counting differs.
+are sought that come out as the arc that was proven (`backends.scaled`).
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from wedmcam.backends import b3
 from wedmcam.backends.checks import Checks
-from wedmcam.backends.zd065.compensation import outline_of
+from wedmcam.backends.scaled import outline_of
 from wedmcam.diag import Diagnostic
 from wedmcam.formats import b4
 from wedmcam.ir.program import Kind, Program

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.controllers.zd065 import OUTLINE, compensate
+from wedmcam.controllers.scaling import scale
+from wedmcam.controllers.zd065.data import OUTLINE
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.formats import b4
 from wedmcam.formats.lengths import mm_of, to_mm
@@ -122,7 +123,7 @@ def _cutting(
     """Return the blocks with their arcs offset by a gap, um, and refuse arcs that vanish."""
     cutting = teller.program.blocks.copy()
     arc = cutting["kind"] == Kind.ARC
-    scaled = compensate(figure, gap, outwards)
+    scaled = scale(figure, gap, outwards)
     for name in ("x", "y", "count"):
         cutting[name][arc] = scaled[name][arc]
     teller.tell(

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.memory import Memory
-from wedmcam.controllers.zd065 import POLAR, rotate
+from wedmcam.controllers.zd065.data import POLAR
+from wedmcam.controllers.zd065.rotation import rotate
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import lines, rotation
 from wedmcam.ir.program import Kind, Program

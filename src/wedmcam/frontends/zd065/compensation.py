@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
-from wedmcam.controllers.zd065 import OUTLINE, compensate
+from wedmcam.controllers.scaling import scale
+from wedmcam.controllers.zd065.data import OUTLINE
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import compensation, quadrants
 from wedmcam.formats.lengths import mm_of
@@ -30,7 +31,7 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
-    _, findings = stream.finish(compensate(figure, 0))
+    _, findings = stream.finish(scale(figure, 0))
     return figure[stream.good], findings
 
 
@@ -74,7 +75,7 @@ def decode(
     )
     if whole:
         _tell_joints(stream, figure, whole)
-    blocks = compensate(_safe(figure, stream), whole, outwards)
+    blocks = scale(_safe(figure, stream), whole, outwards)
     stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
     return stream.finish(blocks)
 
@@ -153,7 +154,7 @@ def _check(s: Stream, figure: NDArray[np.void]) -> None:
     moving = s.arc | s.straight
     right = quadrants.quadrant(figure["x"], figure["y"], s.turn)
     s.tell_repaired(Severity.NOTE, moving & (right != s.named) & (right != 0), right)
-    blocks = compensate(_safe(figure, s), 0)
+    blocks = scale(_safe(figure, s), 0)
     s.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
 
 
@@ -170,7 +171,7 @@ def _safe(figure: NDArray[np.void], s: Stream) -> NDArray[np.void]:
 
 def _tell_joints(s: Stream, figure: NDArray[np.void], gap_um: int) -> None:
     """Refuse joints that the gap would tear apart by more than rounding explains."""
-    blocks = compensate(_safe(figure, s), 0)
+    blocks = scale(_safe(figure, s), 0)
     cutting = (s.kind == Kind.LINE) | s.arc
     ax, ay, bx, by, room = directions(blocks)
     following = np.zeros(len(blocks), dtype=bool)

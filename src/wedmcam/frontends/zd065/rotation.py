@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controllers.zd065 import POLAR, rotate
+from wedmcam.controllers.zd065.data import POLAR
+from wedmcam.controllers.zd065.rotation import rotate
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import rotation
 from wedmcam.formats.lengths import mm_of

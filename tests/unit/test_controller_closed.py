@@ -272,4 +272,4 @@ def test_a_line_about_as_long_as_a_long_one_is_the_same_in_every_window(length, 
         for first in (0, 1, 2, 700, length - 1, length):
             for last in (length, length + 1, len(whole)):
                 part = path.places(b, moves, zero, zero, table, (first, last))
-                assert np.array_equal(np.column_stack(part), whole[first:max(first, last)])
+                assert np.array_equal(np.column_stack(part), whole[first : max(first, last)])

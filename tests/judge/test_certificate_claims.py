@@ -123,6 +123,28 @@ def test_many_lies_are_capped(made, honest):
     assert texts[-1] == "and 5 more are other than found"
 
 
+def test_what_a_certificate_says_is_text_and_no_template(honest):
+    """Braces of a layer, a key, a code or a version stay as they are, and JSON has the values."""
+    stated = copy.deepcopy(honest) | {"layers": ["{A}"], "{count}": "{0}", "version": "{figure}"}
+    stated["options"] = honest["options"] | {"side": "{now}"}
+    stated["diagnostics"] = [{"severity": "note", "code": "{}", "message": "", "count": 1}]
+    found = claims.differences(stated, honest | {"layers": ["{B}"]}, ())
+    texts = [d.message for d in found]
+    assert 'the certificate says layers[1] "{A}", the program has "{B}"' in texts
+    assert 'the certificate says {count} "{0}", there is none' in texts
+    assert "the certificate says 1 note[{}], found: 0" in texts
+    assert any('options.side "{now}", asked for is' in text for text in texts)
+    assert 'the certificate is of version "{figure}"' in {d.hint for d in found}
+    (layer,) = [d for d in found if "layers" in d.message]
+    assert {
+        "figure": "layers[1]",
+        "stated": '"{A}"',
+        "now": '"{B}"',
+    }.items() <= layer.values.items()
+    (error,) = claims.of_the_program(honest | {"blocks": "{x}"}, honest)
+    assert error.message.startswith('the certificate says blocks "{x}", the program has ')
+
+
 def test_names_words_and_versions_are_not_compared(made, honest):
     other = copy.deepcopy(honest) | {"input": "b.dxf", "output": "b.3b", "version": "99"}
     other["sha256"]["profile"] = "0" * 64

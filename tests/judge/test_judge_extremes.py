@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from judge_cases import edited, lower
+from judge_cases import edited, lower, polygon, square_plan
 from test_judge_bounds import PLANS, tracked
 
 import parts
@@ -14,7 +16,8 @@ from wedmcam.diag.run import Run
 from wedmcam.judge.bounds import bound
 from wedmcam.judge.deviation import measure
 from wedmcam.judge.extremes import extremes
-from wedmcam.judge.material import kept_material
+from wedmcam.judge.material import Coverage, coverage, kept_material
+from wedmcam.judge.route import plan_route
 from wedmcam.judge.survey import SHARE
 from wedmcam.options import Options
 
@@ -60,3 +63,11 @@ def test_random_parts(seed):
     plan = sources.where_the_wire_goes(drawn, options, run)
     program = lower(plan, LineTable.ROTATE)
     assert agree(plan, tracked(plan, program, LineTable.ROTATE)) > 10
+
+
+def test_a_closed_outline_without_a_length_has_nothing_to_reach():
+    plan = square_plan()
+    nothing = replace(
+        plan.materials[0], outlines=(polygon((5, 5), (5, 5)),), depths=(0,), reached=(0,)
+    )
+    assert coverage(nothing, plan_route(plan.cuts)) == Coverage(0.0, (0.0, 0.0), ())

@@ -256,3 +256,20 @@ def test_a_window_at_the_end_of_a_long_line_is_the_end_of_its_path():
             for last in (first + 1, 1876, len(whole)):
                 part = path.places(b, moves, zero, zero, table, (first, last))
                 assert np.array_equal(np.column_stack(part), whole[first:last])
+
+
+@pytest.mark.parametrize("length", [path.LONG - 1, path.LONG, path.LONG + 1])
+@pytest.mark.parametrize(("dx", "dy"), [(1, 0), (-1, 0), (0, 1), (0, -1)])
+def test_a_line_about_as_long_as_a_long_one_is_the_same_in_every_window(length, dx, dy):
+    b = blocks(
+        (LINE, 0, X if dx else Y, dx * length, dy * length, length), (ARC, 1, X, 250, 0, 400)
+    )
+    for table in LineTable:
+        moves = run(b, table)
+        zero = np.zeros(len(b))
+        whole = np.column_stack(path.places(b, moves, zero, zero, table))
+        assert np.array_equal(whole[length - 1], (dx * length, dy * length))
+        for first in (0, 1, 2, 700, length - 1, length):
+            for last in (length, length + 1, len(whole)):
+                part = path.places(b, moves, zero, zero, table, (first, last))
+                assert np.array_equal(np.column_stack(part), whole[first : max(first, last)])

@@ -43,6 +43,16 @@ _OPTIONS = ("options.", "number of options.")
 
 Fits = Callable[[Any], bool]
 
+#: Template of a finding and its values: what a certificate says is text of a user, no template.
+_Difference = tuple[str, dict[str, Any]]
+
+_ANOTHER = "the certificate says {figure} {stated}, the program has {now}"
+_TOO_MANY = "the certificate says {figure} {stated}, there is none"
+_MISSING = "the certificate does not say {figure}, the program has {now}"
+_OPTION = "the certificate says {figure} {stated}, asked for is {now}"
+_OF_FINDINGS = "the certificate says {stated} {finding}, found: {now}"
+_CHANGED = "the certificate was changed: compile again"
+
 
 def _whole(value: Any) -> bool:
     return type(value) is int and abs(value) <= LARGEST
@@ -200,35 +210,37 @@ def differences(
             rows = name.removeprefix("number of ") + "["
             claims = {k: v for k, v in claims.items() if not k.startswith(rows)}
             figures = {k: v for k, v in figures.items() if not k.startswith(rows)}
-    wrong: list[str] = []
-    other: list[str] = []
-    options: list[str] = []
+    wrong: list[_Difference] = []
+    other: list[_Difference] = []
+    options: list[_Difference] = []
     loose = wrong if same_version else other
     for name in [*figures, *(name for name in claims if name not in figures)]:
         if name.startswith(_OPTIONS):
             if not (name in claims and name in figures and _same(claims[name], figures[name])):
-                values = (_shown(of[name]) if name in of else "nothing" for of in (claims, figures))
-                options.append("the certificate says {} {}, asked for is {}".format(name, *values))
+                said, asked = (
+                    _shown(of[name]) if name in of else "nothing" for of in (claims, figures)
+                )
+                options.append((_OPTION, {"figure": name, "stated": said, "now": asked}))
         elif name not in figures:
-            loose.append(f"the certificate says {name} {_shown(claims[name])}, there is none")
+            loose.append((_TOO_MANY, {"figure": name, "stated": _shown(claims[name])}))
         elif name not in claims:
-            text = f"the certificate does not say {name}, the program has {_shown(figures[name])}"
-            loose.append(text)
+            loose.append((_MISSING, {"figure": name, "now": _shown(figures[name])}))
         elif not _same(claims[name], figures[name]):
-            text = (
-                f"the certificate says {name} {_shown(claims[name])}, the program has "
-                f"{_shown(figures[name])}"
-            )
             # Versions print the same profile otherwise; and all that follows from it is compared.
-            (other if name == "sha256.profile" else wrong).append(text)
+            which = other if name == "sha256.profile" else wrong
+            which.append(_another(name, claims[name], figures[name]))
     if not stated["ok"]:
-        wrong.append("the certificate says ok false: it is of a program that failed")
+        wrong.append(("the certificate says ok false: it is of a program that failed", {}))
     loose.extend(_findings(stated["diagnostics"], findings))
-    issued = _shown(stated["version"])
     return [
-        *_capped(wrong, error, "the certificate was changed: compile again"),
+        *_capped(wrong, error, _CHANGED),
         *_capped(options, note, "what is asked for is proven"),
-        *_capped(other, note, f"the certificate is of version {issued}"),
+        *_capped(
+            other,
+            note,
+            "the certificate is of version {issued}",
+            issued=_shown(stated["version"]),
+        ),
     ]
 
 
@@ -241,18 +253,25 @@ def of_the_program(stated: Mapping[str, Any], now: Mapping[str, Any]) -> list[Di
     """
     names = ("blocks", "steps", "moves", "controls", "path_mm")
     wrong = [
-        f"the certificate says {name} {_shown(stated[name])}, the program has {_shown(now[name])}"
+        _another(name, stated[name], now[name])
         for name in names
         if not _same(stated[name], now[name])
     ]
-    return list(_capped(wrong, error, "the certificate was changed: compile again"))
+    return list(_capped(wrong, error, _CHANGED))
 
 
-def _capped(texts: list[str], say: Callable[..., Diagnostic], hint: str) -> Iterator[Diagnostic]:
-    for text in texts[:LISTED]:
-        yield say("certificate-differs", text, hint=hint)
-    if (more := len(texts) - LISTED) > 0:
-        yield say("certificate-differs", f"and {more} more are other than found", count=more)
+def _another(name: str, stated: Any, now: Any) -> _Difference:
+    return _ANOTHER, {"figure": name, "stated": _shown(stated), "now": _shown(now)}
+
+
+def _capped(
+    differences: list[_Difference], say: Callable[..., Diagnostic], hint: str, **more: str
+) -> Iterator[Diagnostic]:
+    """Yield a finding for each of the first differences; ``more`` are values of the hint."""
+    for template, values in differences[:LISTED]:
+        yield say("certificate-differs", template, hint=hint, **values, **more)
+    if (rest := len(differences) - LISTED) > 0:
+        yield say("certificate-differs", "and {count} more are other than found", count=rest)
 
 
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -283,7 +302,7 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _findings(stated: list[dict[str, Any]], findings: Iterable[Diagnostic]) -> list[str]:
+def _findings(stated: list[dict[str, Any]], findings: Iterable[Diagnostic]) -> list[_Difference]:
     """Return in which codes the findings of a certificate are others, or more or fewer."""
     claimed: Counter[tuple[str, str]] = Counter()
     for d in stated:
@@ -292,7 +311,14 @@ def _findings(stated: list[dict[str, Any]], findings: Iterable[Diagnostic]) -> l
     for one in findings:
         now[str(one.severity), one.code] += one.count
     return [
-        f"the certificate says {claimed[key]} {key[0]}[{_shown(key[1])[1:-1]}], found: {now[key]}"
+        (
+            _OF_FINDINGS,
+            {
+                "stated": claimed[key],
+                "finding": f"{key[0]}[{_shown(key[1])[1:-1]}]",
+                "now": now[key],
+            },
+        )
         for key in sorted({*claimed, *now})
         if key[1] not in OF_THE_PROOF and claimed[key] != now[key]
     ]

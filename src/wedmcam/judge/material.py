@@ -293,9 +293,9 @@ def coverage(material: Material, route: Route, tolerance: float = 2.0) -> Covera
     nearer to the wire than the offset, a piece is missing; where an outline would be, no wire of
     this radius gets there. Each segment is tried at five points, and at its start for the figure.
     """
-    if not any(c.closed for c in material.outlines):
-        return Coverage(0.0, (0.0, 0.0), ())
     a = _outlines(material, route, tolerance)
+    if not len(a.outlines):  # no closed one, or one of segments without a length
+        return Coverage(0.0, (0.0, 0.0), ())
     corner_far = _corner_distance(a)
     missed: list[_Missed] = []
     uncut, uncut_at = 0.0, (0.0, 0.0)

@@ -23,6 +23,7 @@ from wedmcam.geom.pairs import grow, overlapping, self_overlapping
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import Sketch
+from wedmcam.transforms.hints import quote
 
 Bools = NDArray[np.bool_]
 
@@ -121,7 +122,7 @@ def _finding(outlines: list[_Outline]) -> Diagnostic:
         points_mm=tuple(h.at for h in outlines[:100]),
         count=len(outlines),
         type=ref.dxftype,
-        quoted_type=_quote(ref.dxftype),
+        quoted_type=quote(ref.dxftype),
         handle=_handle(ref),
         layer=ref.layer,
         touching=first.more,
@@ -163,10 +164,6 @@ def _finding(outlines: list[_Outline]) -> Diagnostic:
 
 def _handle(ref: EntityRef) -> str:
     return "#" + "/".join((*ref.via, ref.handle))
-
-
-def _quote(name: str) -> str:
-    return f"'{name}'" if set(name) & set(" ()*?$&;") else name
 
 
 # --- which boundaries are drawn -----------------------------------------------------------------

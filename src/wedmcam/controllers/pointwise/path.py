@@ -212,9 +212,10 @@ def _fill(runs: _Runs, x: NDArray[Any], y: NDArray[Any]) -> None:
     ramp = np.arange(1.0, most + 1.0)
     half = 0.5 * ramp[:PIECE]
     scratch = np.empty((2, min(PIECE, most)))
-    # A piece of a long line is as one, wherever it lies: its w is not that of a short run.
-    late = ~runs.is_arc & (runs.length - runs.shift >= LONG)
-    long_rows = np.flatnonzero((runs.length >= LONG) | late)
+    # A line counts as long as up to its last step (a whole one has shift 1): of a piece at the end
+    # of a long line w is not that of a short run.
+    up_to = np.where(runs.is_arc, runs.length, runs.length - runs.shift + 1.0)
+    long_rows = np.flatnonzero(up_to >= LONG)
     long_runs = zip(*(column.tolist() for column in runs.take(long_rows)), strict=True)
     long_at = iter([*long_rows.tolist(), total])
     i = done = 0

@@ -83,20 +83,19 @@ def encode(
             bans += writer.settle_contour(plan, n, [c for c in attempt.strays if c[0] == n])
         attempt = writer.attempt(plan, bans)
     more = attempt.findings
-    if attempt.data and not has_errors(more):
-        more = [*more, *(_path_errors(attempt.data, plan, machine, table) or attempt.far)]
+    if attempt.decoded is not None and not has_errors(more):
+        more = [*more, *(_path_errors(*attempt.decoded, plan, machine) or attempt.far)]
     return attempt.data, [*findings, *more]
 
 
 def _path_errors(
-    data: bytes, plan: Plan, machine: Machine, table: dict[int, float]
+    program: Program, findings: list[Diagnostic], plan: Plan, machine: Machine
 ) -> list[Diagnostic]:
-    """Return errors where the controller makes no path of its outlines.
+    """Return errors where the controller makes no path of its outlines, as ``decode`` found.
 
     An arc of the radius of the offset, a wall as long as a corner is deep: the shifted blocks of
     the written outline do not meet, whatever the exact ones do.
     """
-    program, findings = decode(data, machine, "program", table.get)
     if not has_errors(findings):
         return _closing_errors(program, plan, machine)
     start = Place.of_um(*plan.cuts[0].thread)
@@ -117,12 +116,14 @@ class _Attempt(NamedTuple):
         findings: of writing it.
         strays: what was chosen for the motions along which the wire would stray too far.
         far: an error where it would, whatever was chosen; else empty.
+        decoded: what the controller makes of the bytes, and its findings; None without bytes.
     """
 
     data: bytes
     findings: list[Diagnostic]
     strays: list[Choice]
     far: list[Diagnostic]
+    decoded: tuple[Program, list[Diagnostic]] | None = None
 
 
 class _Writer:
@@ -160,7 +161,11 @@ class _Writer:
             return _Attempt(b"", findings, [], [])
         own, ends = outlines_to_controller(drawn.programmed, drawn.ends, self.machine.axes)
         data, findings = encode_outlines(own, ends, self.machine, self.feed_um)
-        return _Attempt(data, findings, *_strays(data, drawn, plan, self.machine, self.table))
+        decoded = decode(data, self.machine, "program", self.table.get)
+        if has_errors(decoded[1]):  # another place of the grid is no cure
+            return _Attempt(data, findings, [], [], decoded)
+        strays, far = _strays(data, decoded[0], drawn, plan, self.machine, self.table)
+        return _Attempt(data, findings, strays, far, decoded)
 
     def settle_contour(self, plan: Plan, number: int, strays: list[Choice]) -> list[Choice]:
         """Return what must not be chosen for one contour, that it strays nowhere or least."""
@@ -208,8 +213,7 @@ def _closing_errors(program: Program, plan: Plan, machine: Machine) -> list[Diag
                     "both are rounded to its grid",
                     cut.path.source_of(0),
                     points_mm=((x, y),),
-                    hint="another thread point or --stop, or a profile that states the path itself "
-                    "(iso-um, iso-mm), or another offset",
+                    hint=f"another thread point or --stop, or {OTHER}",
                     start=Place.of_um(*here.tolist()),
                     gap_mm=float(apart) / 1000,
                 )
@@ -241,21 +245,20 @@ def _far(why: Diagnostic) -> Diagnostic:
 
 
 def _strays(
-    data: bytes, outlines: Outlines, plan: Plan, machine: Machine, table: dict[int, float]
+    data: bytes,
+    program: Program,
+    outlines: Outlines,
+    plan: Plan,
+    machine: Machine,
+    table: dict[int, float],
 ) -> tuple[list[Choice], list[Diagnostic]]:
-    """Return what was chosen for the motions along which the wire strays too far, and an error."""
+    """Return what was chosen for the motions along which the wire strays too far, and an error.
+
+    ``program`` is what the controller makes of the bytes of the outlines.
+    """
     from wedmcam.frontends.iso import read
     from wedmcam.judge.judge import judge
 
-    program, findings = decode(data, machine, "program", table.get)
-    if has_errors(findings):
-        return [], []  # another place of the grid is no cure for that
-    outline, _ = read(data, machine, "program", table.get)
-    rows = {
-        span.line: mark
-        for span, mark in zip(outline.program.spans, outline.mark.tolist(), strict=True)
-        if mark >= 0 and isinstance(span, TextSpan)
-    }
     placed = replace(program, origin=plan.cuts[0].thread)
     verdict, findings = judge(
         placed,
@@ -266,6 +269,12 @@ def _strays(
     )
     if not has_errors(findings):
         return [], []
+    outline, _ = read(data, machine, "program", table.get)
+    rows = {
+        span.line: mark
+        for span, mark in zip(outline.program.spans, outline.mark.tolist(), strict=True)
+        if mark >= 0 and isinstance(span, TextSpan)
+    }
     far = [_far(d) for d in findings if d.code in FAR and d.severity is Severity.ERROR][:1]
     t = verdict.table
     keeps = {k + 1: cut.keeps_left for k, cut in enumerate(plan.cuts)}

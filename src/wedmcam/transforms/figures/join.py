@@ -22,8 +22,6 @@ from wedmcam.transforms.joints import near_pairs
 
 #: Ends of chains this near to each other join, um (part language: within 1 um).
 MEET_UM = 1.0
-#: Places that are listed in one finding.
-NAMED_PLACES = 5
 
 End = tuple[int, int]  # contour, 0 its start or 1 its end
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Place, Span, error
+from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.plan import Cut, Plan
@@ -144,12 +144,17 @@ class _Builder:
         return Outlines(Programmed(program, mark, motions), ends, chosen)
 
 
-def _thread(cut: Cut) -> Place:
-    return Place.of_um(*cut.thread)
-
-
-def _span(cut: Cut) -> Span | None:
-    return cut.path.source_of(0)
+def _refusal(cut: Cut, code: str, hint: str) -> Diagnostic:
+    """Return an error about a cut, which says what is wrong where it is ``extended``."""
+    thread = Place.of_um(*cut.thread)
+    return error(
+        code,
+        "the contour that is threaded at {thread}: ",
+        cut.path.source_of(0),
+        points_mm=(thread,),
+        hint=hint,
+        thread=thread,
+    )
 
 
 def _outline(
@@ -158,14 +163,10 @@ def _outline(
     """Return the motions of a cut as (motions, chosen, pause behind them), with leads."""
     outline = cut.outline
     if outline is None or outline.closed != cut.path.closed:
-        refusal = error(
-            "compensation-lost",
-            "the contour that is threaded at {thread}: the wire path is only a part of its "
-            "outline, which the controller cannot offset",
-            _span(cut),
-            points_mm=(_thread(cut),),
-            hint="a profile that does not leave the offset to the controller",
-            thread=_thread(cut),
+        refusal = _refusal(
+            cut, "compensation-lost", "a profile that does not leave the offset to the controller"
+        ).extended(
+            "the wire path is only a part of its outline, which the controller cannot offset"
         )
         return None, [refusal]
     v = cut.path.vertices
@@ -174,14 +175,13 @@ def _outline(
         s = seg.of_rows(outline.starts, outline.ends)
         foot = foot_of(s, wx, wy, offset, True)
         if foot is None:
-            refusal = error(
+            refusal = _refusal(
+                cut,
                 "compensation-lead",
-                "the contour that is threaded at {thread}: the wire path starts on the arc round a "
-                "corner, where the first and the last block of the outline have no common normal",
-                _span(cut),
-                points_mm=(_thread(cut),),
-                hint="another thread point (--start), beside a line or an arc of the outline",
-                thread=_thread(cut),
+                "another thread point (--start), beside a line or an arc of the outline",
+            ).extended(
+                "the wire path starts on the arc round a corner, where the first and the last "
+                "block of the outline have no common normal",
             )
             return None, [refusal]
         outline = open_at(outline, s, foot)
@@ -227,14 +227,11 @@ def _lead_errors(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
     tx, ty = _heading(rows[0])
     length = float(np.hypot(sx - x, sy - y))
     if length < abs(shift):
-        refusal = error(
-            "compensation-lead",
-            "the contour that is threaded at {thread}: its lead to the outline at {start} is "
-            "{lead_mm:.3f} mm long, shorter than the offset of {offset_mm:.3f} mm",
-            _span(cut),
-            points_mm=(_thread(cut),),
-            hint="a thread point farther away (--start), or a longer --lead",
-            thread=_thread(cut),
+        refusal = _refusal(
+            cut, "compensation-lead", "a thread point farther away (--start), or a longer --lead"
+        ).extended(
+            "its lead to the outline at {start} is {lead_mm:.3f} mm long, shorter than the offset "
+            "of {offset_mm:.3f} mm",
             start=Place.of_um(sx, sy),
             lead_mm=length / 1000,
             offset_mm=abs(shift) / 1000,
@@ -243,14 +240,13 @@ def _lead_errors(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
     left = tx * (y - sy) - ty * (x - sx)
     # From below the height of the wire the lead would cut into what is kept beside the start.
     if left * np.sign(shift) < abs(shift) - 1.0 and cut.path.closed:
-        refusal = error(
+        refusal = _refusal(
+            cut,
             "compensation-lead",
-            "the contour that is threaded at {thread}: its lead arrives at {start} from below the "
-            "wire path: the wire would enter the part beside the start",
-            _span(cut),
-            points_mm=(_thread(cut),),
-            hint="a thread point farther away from the contour, over the place where it starts",
-            thread=_thread(cut),
+            "a thread point farther away from the contour, over the place where it starts",
+        ).extended(
+            "its lead arrives at {start} from below the wire path: the wire would enter the part "
+            "beside the start",
             start=Place.of_um(sx, sy),
         )
         return [refusal]
@@ -283,14 +279,9 @@ def _part_at_pause(
     )
     foot = foot_of(s, x, y, offset, False)
     if foot is None:
-        refusal = error(
-            "compensation-place",
-            "the contour that is threaded at {thread}: the pause of --stop at {pause} is on the "
-            "arc round a corner, and the controller has no block inside that arc",
-            _span(cut),
-            points_mm=(_thread(cut),),
-            hint="another length of --stop",
-            thread=_thread(cut),
+        refusal = _refusal(cut, "compensation-place", "another length of --stop").extended(
+            "the pause of --stop at {pause} is on the arc round a corner, and the controller has "
+            "no block inside that arc",
             pause=Place.of_um(x, y),
         )
         return None, [refusal]

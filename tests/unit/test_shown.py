@@ -1,16 +1,35 @@
 """What is shown of text that came out of files: visible, of bounded length, capped in number."""
 
 import json
+import math
+from enum import Enum
+from fractions import Fraction
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wedmcam.diag import EntityRef, TextSpan, capped, error, json_text, note, visible, warning
+from wedmcam.diag import (
+    EntityRef,
+    Place,
+    Severity,
+    TextSpan,
+    as_data,
+    capped,
+    error,
+    json_text,
+    note,
+    visible,
+    warning,
+)
 from wedmcam.diag.capped import KEPT, NOTES
+from wedmcam.diag.lists import all_of, first_of
 from wedmcam.diag.render import excerpt, merged, render
 from wedmcam.diag.run import Run
+from wedmcam.diag.shown import LONGEST
+from wedmcam.judge.certificate import finding_data
 from wedmcam.reports.picture.sheet import words
 
 ANY = st.text(st.characters(), max_size=40)
@@ -125,3 +144,45 @@ def test_a_finding_names_few_places_beside_its_own():
     found = capped([error("branch", "many meet", notes=some)])[0]
     assert len(found.notes) == NOTES + 1
     assert found.notes[-1][0] == "and 9,992 more"
+
+
+class Wide(int, Enum):
+    """A number that has a name."""
+
+    FULL = 1
+
+
+@pytest.mark.parametrize(
+    ("value", "data"),
+    [
+        (math.nan, None),
+        (-math.inf, None),
+        (np.float32("inf"), None),
+        (10**400, None),
+        (10**15, 10**15),
+        (np.bool_(True), True),
+        (np.int64(3), 3),
+        (-1e-9, 0.0),
+        (Fraction(1, 3), 0.333333),
+        (np.array([1, 2]), [1, 2]),
+        (Place.of_um(1000, 1 / 3), [1.0, 0.000333]),
+        (Wide.FULL, "Wide.FULL"),
+        (Severity.ERROR, "error"),
+        (all_of(["a", math.nan]), ["a", None]),
+        (first_of(["a", "b", "c"], 2), {"first": ["a", "b"], "more": 1}),
+        (list(range(KEPT + 5)), {"first": list(range(KEPT)), "more": 5}),
+        (first_of(range(KEPT + 5), KEPT + 1), {"first": list(range(KEPT)), "more": 5}),
+    ],
+)
+def test_values_are_valid_json_of_bounded_size(value, data):
+    assert as_data(value) == data
+    assert type(as_data(value)) is type(data)
+    json.dumps(as_data(value), allow_nan=False)
+
+
+def test_values_and_hints_are_as_long_as_messages_at_most():
+    long = error("branch", "{a}", hint="{a}", a="x" * 10 * LONGEST)
+    [value] = finding_data(long)["values"].values()
+    assert len(value) < 1.1 * LONGEST
+    assert long.message == long.hint == value
+    assert render(long).count(" characters) ... ") == 2

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from wedmcam.diag.capped import LISTED, capped
 from wedmcam.diag.codes import CODES, Code
+from wedmcam.diag.data import as_data
 from wedmcam.diag.finding import (
     Diagnostic,
     Place,
@@ -16,7 +17,6 @@ from wedmcam.diag.finding import (
     error,
     has_errors,
     note,
-    plain,
     warning,
 )
 from wedmcam.diag.shown import counted, json_text, shortened, visible
@@ -34,6 +34,7 @@ __all__ = [
     "Severity",
     "Span",
     "TextSpan",
+    "as_data",
     "capped",
     "counted",
     "error",
@@ -41,7 +42,6 @@ __all__ = [
     "json_text",
     "note",
     "option_texts",
-    "plain",
     "shortened",
     "visible",
     "warning",

@@ -10,7 +10,6 @@ from __future__ import annotations
 import enum
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from numbers import Integral, Real
 from typing import Any, NamedTuple
 
 from wedmcam.diag.codes import CODES
@@ -100,8 +99,8 @@ class Diagnostic:
 
     @property
     def hint(self) -> str | None:
-        """How to mend it."""
-        return None if self.hint_template is None else self._formed(self.hint_template)
+        """How to mend it; as long as the message at most."""
+        return None if self.hint_template is None else shortened(self._formed(self.hint_template))
 
     def extended(self, more: str = "", *, hint: str = "", **values: Any) -> Diagnostic:
         """Return the finding with more text behind its own and its hint: templates, and values.
@@ -183,21 +182,6 @@ def _finding(
 ) -> Diagnostic:
     fields = {field: values.pop(name) for name, field in _FIELDS.items() if name in values}
     return Diagnostic(severity, code, template, span, values=values, **fields)
-
-
-def plain(value: Any) -> Any:
-    """Return a value of a finding as plain data: numbers to six decimals, a `Place` as a list.
-
-    >>> plain(Place.of_um(1000, 1 / 3)), plain(True)
-    ([1.0, 0.000333], True)
-    """
-    if value is None or isinstance(value, bool | str):
-        return str(value) if isinstance(value, enum.Enum) else value
-    if isinstance(value, Real):
-        return int(value) if isinstance(value, Integral) else round(float(value), 6) + 0.0
-    if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
-    return str(value)
 
 
 def has_errors(findings: Iterable[Diagnostic]) -> bool:

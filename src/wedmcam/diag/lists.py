@@ -1,6 +1,6 @@
 """Lists as values of findings that are printed otherwise than with commas.
 
-JSON has them as lists; the sentence says "CUT, HOLES and 3 more", or "5 and 7".
+JSON has them as lists (see `diag.data`); the sentence says "CUT, HOLES and 3 more", or "5 and 7".
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from wedmcam.diag import ByteSpan, Diagnostic, EntityRef, TextSpan, plain
+from wedmcam.diag import ByteSpan, Diagnostic, EntityRef, TextSpan, as_data
 from wedmcam.judge.verdict import CutVerdict, Verdict
 
 
@@ -58,7 +58,7 @@ def finding_data(finding: Diagnostic) -> dict[str, Any]:
         "severity": str(finding.severity),
         "code": finding.code,
         "message": finding.message,
-        "values": {name: plain(value) for name, value in finding.values.items()},
+        "values": {name: as_data(value) for name, value in finding.values.items()},
         "at": span_data(finding.span),
         "points_mm": [[_plain(x), _plain(y)] for x, y in finding.points_mm],
         "hint": finding.hint,

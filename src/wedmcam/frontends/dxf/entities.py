@@ -458,13 +458,13 @@ def nothing_to_cut(placed: Placement, doc: Any, options: DrawingReading, file: s
         finding = finding.extended(
             "all geometry is on layers left out ({layers})",
             hint="check --layer and --ignore-layer",
-            layers=sorted({layer for _, layer in placed.left_out}),
+            layers=first_of(sorted({layer for _, layer in placed.left_out}), MOST_LAYERS),
         )
     elif placed.types_left_out:
         finding = finding.extended(
             "all geometry is of types left out ({types})",
             hint="check --type and --ignore-type",
-            types=sorted({kind for kind, _ in placed.types_left_out}),
+            types=first_of(sorted({kind for kind, _ in placed.types_left_out}), MOST_TYPES),
         )
     elif placed.looks_left_out:
         finding = finding.extended(
@@ -482,13 +482,13 @@ def nothing_to_cut(placed: Placement, doc: Any, options: DrawingReading, file: s
     elif placed.others:
         finding = finding.extended(
             "it holds no lines, arcs or polylines, but {types}",
-            types=sorted({kind for kind, _ in placed.others})[:MOST_TYPES],
+            types=first_of(sorted({kind for kind, _ in placed.others}), MOST_TYPES),
         )
     elif blocks := [
         str(dict(values)["block"]) for code, values in placed.problems if code == "scale-zero"
     ]:
         finding = finding.extended(
-            "block {blocks} is inserted with a scale of 0", blocks=blocks[:NAMED]
+            "block {blocks} is inserted with a scale of 0", blocks=first_of(blocks, NAMED)
         )
     else:
         finding = finding.extended("model space is empty")

@@ -178,6 +178,8 @@ def test_inspect_takes_a_side_without_an_offset():
     for words in (["--side", "die"], ["--side", "die", "--layer-side", "CUT=die"]):
         done = CliRunner().invoke(cli, ["inspect", drawing, "--json", *words])
         assert json.loads(done.stdout)["largest_offset"]["side"] == "die"
+    for mm in ({"side": "on"}, {"layer_sides": {"CUT": "on"}}):
+        assert wedmcam.inspect(drawing, **mm).status == 0
     with pytest.raises(WrongUse, match="--side die needs an offset"):
         Options.of(side=Side.DIE)
     with pytest.raises(WrongUse, match="--layer-side A=die needs an offset"):

@@ -41,9 +41,6 @@ def inspect(
     """Return what the reader sees in a drawing, and the largest offset that fits it."""
     data, name = bytes_of(source, name)
     options = options if options is not None else options_in_mm(**mm)
-    cutting = options.cutting
-    if cutting.offset_um is None and (cutting.side or cutting.layer_sides):
-        options = options.with_values(offset_um=SOME_UM)
     run = Run(options.judging.strict)
     drawn = None
     try:

@@ -72,8 +72,6 @@ class Options:
             raise WrongUse(
                 f"no arithmetic is called '{self.arithmetic}': {' or '.join(ARITHMETICS)}"
             )
-        if "clearance_um" in self.wished:
-            self.cutting.check_clearance()
 
     @classmethod
     def of(cls, *, wishes: frozenset[str] | None = None, **values: Any) -> Options:
@@ -88,6 +86,8 @@ class Options:
         """
         options = cls(wishes=wishes, **_grouped(values))
         options.cutting.check_offsets()
+        if "clearance_um" in options.wished:
+            options.cutting.check_clearance()  # a contour takes it that has an offset
         return options
 
     def with_values(self, **values: Any) -> Options:

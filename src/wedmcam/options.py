@@ -215,6 +215,19 @@ def options_in_mm(**mm: Any) -> Options:
     return Options.from_data(values)
 
 
+def take_options(options: Options | None, mm: Mapping[str, Any]) -> Options:
+    """Return options as a function of the library gets them: whole, else as keywords in mm.
+
+    Raises:
+        WrongUse: both are given, or an unknown keyword or value.
+    """
+    if options is None:
+        return options_in_mm(**mm)
+    if mm:
+        raise WrongUse(f"{', '.join(mm)}: 'options' is given, and says all that there is to ask")
+    return options
+
+
 def _in_um(value: Any, row: Row) -> Any:
     """Return the value of a field from one of the library, where lengths are mm."""
     if row.kind is Kind.POINTS:

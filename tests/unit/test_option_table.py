@@ -192,3 +192,13 @@ def test_what_is_usual_can_be_asked_for():
             assert row.usual is None or row.takes.holds(row.usual), row.name
         elif row.kind is Kind.WORD and row.words:
             assert row.usual in (None, *row.words), row.name
+
+
+def test_messages_name_options_that_exist():
+    assert [ROWS[name].typed for name in ("sharp", "trim", "fill_in_units")] == [
+        "--convex",
+        "--on-interference",
+        "fill_in_units",
+    ]
+    with pytest.raises(WrongUse, match="--convex takes true or false"):
+        Options.of(sharp=1)

@@ -98,8 +98,8 @@ class Row(NamedTuple):
 
     @property
     def typed(self) -> str:
-        """The option as a message names it: by its field where it is one of several lengths."""
-        return f"--{self.name.removesuffix('_um').replace('_', '-')}"
+        """The option as a message names it; by its keyword where no command takes it."""
+        return self.option or self.keyword
 
 
 _TAKE = "Take only"

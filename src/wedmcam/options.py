@@ -72,8 +72,6 @@ class Options:
             raise WrongUse(
                 f"no arithmetic is called '{self.arithmetic}': {' or '.join(ARITHMETICS)}"
             )
-        if "clearance_um" in self.wished:
-            self.cutting.check_clearance()
 
     @classmethod
     def of(cls, *, wishes: frozenset[str] | None = None, **values: Any) -> Options:
@@ -88,6 +86,8 @@ class Options:
         """
         options = cls(wishes=wishes, **_grouped(values))
         options.cutting.check_offsets()
+        if "clearance_um" in options.wished:
+            options.cutting.check_clearance()  # a contour takes it that has an offset
         return options
 
     def with_values(self, **values: Any) -> Options:
@@ -213,6 +213,19 @@ def options_in_mm(**mm: Any) -> Options:
         else:  # as in a certificate, or unknown
             values[key] = value
     return Options.from_data(values)
+
+
+def take_options(options: Options | None, mm: Mapping[str, Any]) -> Options:
+    """Return options as a function of the library gets them: whole, else as keywords in mm.
+
+    Raises:
+        WrongUse: both are given, or an unknown keyword or value.
+    """
+    if options is None:
+        return options_in_mm(**mm)
+    if mm:
+        raise WrongUse(f"{', '.join(mm)}: 'options' is given, and says all that there is to ask")
+    return options
 
 
 def _in_um(value: Any, row: Row) -> Any:

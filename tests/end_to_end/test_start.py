@@ -8,7 +8,6 @@ import sys
 import pytest
 
 from wedmcam.cli.main import COMMANDS
-from wedmcam.cli.settings.keys import COMMANDS as CONFIGURED
 
 #: Rooms that read, compile, write or judge, and the library of their arrays.
 HEAVY = {"numpy", "wedmcam.compiler", "wedmcam.machines", "wedmcam.operations", "wedmcam.judge"}
@@ -32,9 +31,13 @@ def modules_after(use):
     return set(json.loads(done.stdout.splitlines()[-1]))
 
 
-@pytest.mark.parametrize("command", CONFIGURED)
-def test_help_of_a_command_with_settings_loads_its_options_alone(command):
-    use = f"cli.main(['{command}', '--help'], standalone_mode=False)"
+#: What has a help page: each command, and those of the group that has some.
+PAGES = [*COMMANDS, *(f"profile {name}" for name in ("list", "show", "check", "probe"))]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_help_of_a_command_loads_its_options_alone(page):
+    use = f"cli.main({[*page.split(), '--help']}, standalone_mode=False)"
     assert not modules_after(use) & HEAVY
 
 

@@ -205,6 +205,21 @@ def test_wrong_use(said):
         wedmcam.compile(both(), name="b.dxf", **said)
 
 
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"side": "die"},
+        {"side": "part", "clearance_on": "punch"},
+        {"layer_sides": {"DIE": "die"}},
+        {"side": "on", "layer_sides": {"DIE": "die"}},
+    ],
+)
+def test_a_clearance_beside_a_side_without_an_offset(said):
+    """What is missing is the offset; the side is there."""
+    with pytest.raises(WrongUse, match=r"-side .* needs an offset"):
+        wedmcam.compile(both(), name="b.dxf", clearance=0.01, **said)
+
+
 def test_options_are_the_same_again_from_a_certificate():
     options = Options.of(
         offset_um=110.0,

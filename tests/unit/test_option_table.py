@@ -178,6 +178,8 @@ def test_inspect_takes_a_side_without_an_offset():
     for words in (["--side", "die"], ["--side", "die", "--layer-side", "CUT=die"]):
         done = CliRunner().invoke(cli, ["inspect", drawing, "--json", *words])
         assert json.loads(done.stdout)["largest_offset"]["side"] == "die"
+    for mm in ({"side": "on"}, {"layer_sides": {"CUT": "on"}}):
+        assert wedmcam.inspect(drawing, **mm).status == 0
     with pytest.raises(WrongUse, match="--side die needs an offset"):
         Options.of(side=Side.DIE)
     with pytest.raises(WrongUse, match="--layer-side A=die needs an offset"):
@@ -190,3 +192,13 @@ def test_what_is_usual_can_be_asked_for():
             assert row.usual is None or row.takes.holds(row.usual), row.name
         elif row.kind is Kind.WORD and row.words:
             assert row.usual in (None, *row.words), row.name
+
+
+def test_messages_name_options_that_exist():
+    assert [ROWS[name].typed for name in ("sharp", "trim", "fill_in_units")] == [
+        "--convex",
+        "--on-interference",
+        "fill_in_units",
+    ]
+    with pytest.raises(WrongUse, match="--convex takes true or false"):
+        Options.of(sharp=1)

@@ -12,7 +12,7 @@ from wedmcam.batch.pool import compile_items
 from wedmcam.batch.work import Outcome, compile_item
 from wedmcam.machines import Machine
 from wedmcam.operations.profiles import machine_for
-from wedmcam.options import Options, options_in_mm
+from wedmcam.options import Options, take_options
 
 
 def compile_all(
@@ -55,7 +55,7 @@ def compile_all(
             print(outcome.item.source, outcome.status, *outcome.findings)
     """
     several = [inputs] if isinstance(inputs, str | Path) else inputs
-    options = options if options is not None else options_in_mm(**mm)
+    options = take_options(options, mm)
     recipe = Recipe(machine_for(to, profile), options, profile is not None)
     items = find_items([str(name) for name in several], str(folder), lambda _: recipe)
     return compile_items(items, jobs, partial(compile_item, force_units=force_units))

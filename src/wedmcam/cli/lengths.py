@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from wedmcam.option_table import ROWS
-from wedmcam.ranges import MOST_UM, PLACE, Range
+from wedmcam.ranges import MOST_UM, Range
 
 UM = {"": 1000.0, "mm": 1000.0, "um": 1.0, "µm": 1.0, "in": 25400.0, "inch": 25400.0, '"': 25400.0}
 PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zµ\"]*)\s*$")
@@ -164,7 +164,6 @@ class OfLayer(click.ParamType):  # type: ignore[type-arg]
 
 CUTS = Cuts()
 DEGREES = Degrees()
-LENGTH = Length(PLACE)
 OFFSET = Offset()
 POINT = Point()
 UNIT = Unit()

@@ -173,7 +173,7 @@ def options_of(params: dict[str, Any], *, answers: bool = True) -> Options:
 def options_to_inspect(
     params: dict[str, Any], side: str | None = None, layer_sides: Iterable[tuple[str, str]] = ()
 ) -> Options:
-    """Return the options of a drawing that is only looked at: no path is params for.
+    """Return the options of a drawing that is only looked at: no path is asked for.
 
     Args:
         params: of the command.

@@ -15,7 +15,7 @@ from wedmcam.files import Source, bytes_of
 from wedmcam.machines import Machine
 from wedmcam.operations.arithmetics import difference_um
 from wedmcam.operations.profiles import machine_for
-from wedmcam.options import Options, options_in_mm
+from wedmcam.options import Options, take_options
 from wedmcam.reports.source_map import source_map as map_of
 from wedmcam.targets import target_of
 
@@ -56,7 +56,7 @@ def compile(
     """
     data, name = bytes_of(source, name)
     machine = machine_for(to, profile)
-    options = options if options is not None else options_in_mm(**mm)
+    options = take_options(options, mm)
     if options.program.answers:
         raise WrongUse(
             f"{', '.join(options.program.answers)}: said of a program that is read, not compiled"

@@ -19,7 +19,7 @@ from wedmcam.geom import segments as seg
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Side
 from wedmcam.ir.understanding import Role, counted
-from wedmcam.options import Options, options_in_mm
+from wedmcam.options import Options, take_options
 from wedmcam.programs.understanding import drawn_by
 from wedmcam.transforms.chain import open_contour_findings
 from wedmcam.transforms.compensate.largest import Largest, largest_offset
@@ -40,10 +40,7 @@ def inspect(
 ) -> Inspection:
     """Return what the reader sees in a drawing, and the largest offset that fits it."""
     data, name = bytes_of(source, name)
-    options = options if options is not None else options_in_mm(**mm)
-    cutting = options.cutting
-    if cutting.offset_um is None and (cutting.side or cutting.layer_sides):
-        options = options.with_values(offset_um=SOME_UM)
+    options = take_options(options, mm)
     run = Run(options.judging.strict)
     drawn = None
     try:

@@ -32,7 +32,7 @@ from wedmcam.operations.profiles import (
     targets_of,
 )
 from wedmcam.operations.read import NO_GAP, dialect_of
-from wedmcam.options import Options, options_in_mm
+from wedmcam.options import Options, take_options
 from wedmcam.targets import Entries, Target
 
 
@@ -74,15 +74,17 @@ def verify(
     """
     data, name = bytes_of(program, name)
     here, mm = Circumstances.taken_from(more)
+    if mm or options is not None:
+        options = take_options(options, mm)
     if certificate is not None:
-        options = _options_issued(certificate, options, mm)
+        options = _options_issued(certificate, options)
         if profile is None:
             profile = machine_issued(certificate)
     if here.fit_origin and here.origin_mm is not None:
         raise WrongUse("--origin says where the program starts: there is nothing to fit")
     machine = reader_machine(data, name, format, profile)
     if options is None:
-        options = options_in_mm(**mm)
+        options = Options()
     drawing, drawing_name = (None, "") if against is None else bytes_of(against, against_name)
     case = _Case(
         data,
@@ -384,9 +386,7 @@ def _no_gap(
     return [error("no-gap", NO_GAP, hint=hint)]
 
 
-def _options_issued(
-    certificate: dict[str, Any], options: Options | None, mm: Mapping[str, Any]
-) -> Options:
+def _options_issued(certificate: dict[str, Any], options: Options | None) -> Options:
     """Return the options of a proof: as stated, else those of the certificate.
 
     Raises:
@@ -396,7 +396,7 @@ def _options_issued(
         raise WrongUse(f"this is no certificate: {why}")
     issued = Options.from_data(certificate["options"])
     if options is None:
-        options = options_in_mm(**mm) if mm else issued
+        options = issued
     if options.operator.d:
         return options
     # What is entered belongs to the program: where nothing is stated, as it was issued.

@@ -6,16 +6,8 @@ from typing import Any
 
 import click
 
-from wedmcam import api
 from wedmcam.cli import options as ask
-from wedmcam.cli.files import read_program, shown_name
 from wedmcam.cli.settings import ReadsPrograms
-from wedmcam.cli.settings.profiles import machine_for
-from wedmcam.cli.tables import dump_lines, dump_rows
-from wedmcam.cli.terminal import print_findings, print_json, print_text
-from wedmcam.diag import has_errors
-from wedmcam.frontends import describe_blocks
-from wedmcam.targets import Entries
 
 
 @click.command("dump", cls=ReadsPrograms)
@@ -30,36 +22,8 @@ from wedmcam.targets import Entries
 @ask.d_option
 @ask.reading_options
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
-def dump_command(
-    file: str,
-    format_: str | None,
-    profile: str | None,
-    profile_in: str | None,
-    d: tuple[tuple[int, float], ...],
-    json_: bool,
-    **params: Any,
-) -> int:
+def dump_command(**params: Any) -> int:
     """The blocks of a program, with their addresses and where they end."""
-    machine = machine_for(file, profile_in or profile, format_)
-    data = read_program(file)
-    program, machine_read, findings = api.read_program(
-        data,
-        profile=machine,
-        format=format_,
-        name=shown_name(file),
-        entered=Entries(d=d),
-        shown=True,
-        **ask.answers_of(params),
-    )
-    print_findings(findings, shown_name(file))
-    if program is None:
-        return 1
-    texts = describe_blocks(data, machine_read)
-    if json_:
-        rows = dump_rows(program, machine_read)
-        print_json([{**r, "stated": texts[r["where"]]} if r["where"] in texts else r for r in rows])
-    else:
-        for line in dump_lines(program, machine_read):
-            more = texts.get((line[7:].split() or [""])[0], "")
-            print_text(f"{line}   {more}" if more else line)
-    return 1 if has_errors(findings) else 0
+    from wedmcam.cli.run.dump import run_dump
+
+    return run_dump(**params)

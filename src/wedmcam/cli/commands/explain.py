@@ -43,7 +43,7 @@ def explain_command(
     if what is None:
         raise click.UsageError("give a CODE, FILE --block N, or --list")
     if block is not None:
-        from wedmcam.cli.block import print_block  # with readers of programs: a code needs none
+        from wedmcam.cli.run.explain import print_block
 
         return print_block(what, block, profile_in or profile, d, ask.answers_of(params))
     text = explain_code(what)

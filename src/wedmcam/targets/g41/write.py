@@ -213,7 +213,8 @@ def _closing_errors(program: Program, plan: Plan, machine: Machine) -> list[Diag
                     "both are rounded to its grid",
                     cut.path.source_of(0),
                     points_mm=((x, y),),
-                    hint=f"another thread point or --stop, or {OTHER}",
+                    hint="another thread point or --stop, or a profile that states the path itself "
+                    "(iso-um, iso-mm), or another offset",
                     start=Place.of_um(*here.tolist()),
                     gap_mm=float(apart) / 1000,
                 )

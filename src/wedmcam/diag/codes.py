@@ -731,7 +731,8 @@ CODES: dict[str, Code] = {
     "over-memory": Code(
         "The program is larger than the controller's memory.",
         "It must be loaded in several parts.",
-        "Use `--split`, which cuts it at thread points.",
+        "Use `--split`, which cuts it at thread points, and a contour that is longer than the "
+        "memory in the kerf, at the end of a block.",
     ),
     "image-size": Code(
         "An image of the ZD-065's memory has not the bytes that the memory has.",

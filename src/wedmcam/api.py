@@ -23,6 +23,12 @@ if TYPE_CHECKING:
     )
     from wedmcam.operations.diff import diff, difference_data
     from wedmcam.operations.inspect import inspect
+    from wedmcam.operations.memory import clear as clear_memory
+    from wedmcam.operations.memory import find_block
+    from wedmcam.operations.memory import move as move_memory
+    from wedmcam.operations.memory import read_image as read_memory
+    from wedmcam.operations.memory import recognise as recognise_memory
+    from wedmcam.operations.memory import show as show_memory
     from wedmcam.operations.profiles import machine_for, machine_issued, starts_of
     from wedmcam.operations.read import figures, read_program
     from wedmcam.operations.verify import verify, with_images
@@ -38,23 +44,29 @@ __all__ = [
     "Source",
     "arithmetic_difference",
     "bytes_of",
+    "clear_memory",
     "compile",
     "compile_all",
     "compile_plan",
     "diff",
     "difference_data",
     "figures",
+    "find_block",
     "inspect",
     "machine_for",
     "machine_issued",
     "minutes",
+    "move_memory",
     "options_in_mm",
     "path_drawing",
     "planned_for",
     "plot",
     "plot_html",
     "positions",
+    "read_memory",
     "read_program",
+    "recognise_memory",
+    "show_memory",
     "source_map",
     "starts_of",
     "verify",
@@ -75,6 +87,7 @@ _ROOMS: dict[str, tuple[str, ...]] = {
     ),
     "wedmcam.operations.diff": ("diff", "difference_data"),
     "wedmcam.operations.inspect": ("inspect",),
+    "wedmcam.operations.memory": ("find_block",),
     "wedmcam.operations.profiles": ("machine_for", "machine_issued", "starts_of"),
     "wedmcam.operations.read": ("figures", "read_program"),
     "wedmcam.operations.verify": ("verify", "with_images"),
@@ -82,12 +95,22 @@ _ROOMS: dict[str, tuple[str, ...]] = {
     "wedmcam.programs.places": ("minutes",),
     "wedmcam.reports.plot": ("path_drawing", "plot", "plot_html"),
 }
+#: Names of the library that are others where they come from, which says the rest: room, name.
+_RENAMED = {
+    "clear_memory": ("wedmcam.operations.memory", "clear"),
+    "move_memory": ("wedmcam.operations.memory", "move"),
+    "positions": ("wedmcam.programs.places", "block_ends"),
+    "read_memory": ("wedmcam.operations.memory", "read_image"),
+    "recognise_memory": ("wedmcam.operations.memory", "recognise"),
+    "show_memory": ("wedmcam.operations.memory", "show"),
+}
 _ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    if name == "positions":
-        return import_module("wedmcam.programs.places").block_ends
+    if name in _RENAMED:
+        room, own = _RENAMED[name]
+        return getattr(import_module(room), own)
     if name not in _ROOM_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_ROOM_OF[name]), name)

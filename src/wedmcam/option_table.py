@@ -459,6 +459,15 @@ _ROWS = (
         help="Only contours A to B of the program, in its order.",
     ),
     Row(
+        name="blocks",
+        group="portion",
+        kind=Kind.NUMBERS,
+        option="--blocks",
+        panel=Panel.PATH,
+        metavar="A-B",
+        help="Only blocks A to B of the program: a load that begins or ends in the kerf.",
+    ),
+    Row(
         name="from_block",
         group="portion",
         kind=Kind.WHOLE,

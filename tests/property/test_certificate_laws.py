@@ -72,6 +72,7 @@ OPTIONS = st.fixed_dictionaries(
         "transforms": st.sampled_from([("rotate 17",), ("mirror x",), ("scale 1.5", "shift 3 1")]),
         "arithmetic": st.sampled_from(["decimal8", "float64"]),
         "cuts": st.sampled_from([(1, 1), (1, 2)]),
+        "blocks": st.sampled_from([(1, 3), (2, 6), (4, 9)]),
         "from_block": st.sampled_from([2, 5]),
     },
 )

@@ -24,8 +24,8 @@ ISSUED = """
     units fill_in_units layers ignore_layers types ignore_types linetypes ignore_linetypes colours
     ignore_colours join_um tolerance_um thin_wall_um transforms offset_um side layer_sides
     layer_offsets clearance_um clearance_on corner_um sharp trim starts_um lead_um stop_um
-    overcut_um order reverse count strict source defines arithmetic cuts from_block backwards d
-    feed_um units_in whole_in coordinates_in centres_in semicolon_in subprograms_in
+    overcut_um order reverse count strict source defines arithmetic cuts blocks from_block backwards
+    d feed_um units_in whole_in coordinates_in centres_in semicolon_in subprograms_in
 """.split()
 #: A value of each field: of the field, in mm, and as it is typed.
 SAMPLES = {
@@ -56,6 +56,7 @@ SAMPLES = {
     "defines": (("a=1",), ["a=1"], ["-D", "a=1"]),
     "arithmetic": ("float64", "float64", ["--arithmetic", "float64"]),
     "cuts": ((2, 5), (2, 5), ["--cuts", "2-5"]),
+    "blocks": ((1, 480), (1, 480), ["--blocks", "1-480"]),
     "from_block": (7, 7, ["--from-block", "7"]),
     "backwards": (False, False, ["--no-backwards"]),  # alone it has no sense
     "d": (((1, 100.0),), [(1, 100.0)], ["--d", "1=0.1"]),

@@ -60,7 +60,7 @@ def length(name: str) -> Length:
 
 
 class Cuts(click.ParamType):  # type: ignore[type-arg]
-    """2-5 as (2, 5), and 4 as (4, 4): contours of a program."""
+    """2-5 as (2, 5), and 4 as (4, 4): contours or blocks of a program."""
 
     name = "a-b"
 
@@ -71,7 +71,7 @@ class Cuts(click.ParamType):  # type: ignore[type-arg]
         match = re.fullmatch(r"\s*([0-9]{1,9})(?:\s*-\s*([0-9]{1,9}))?\s*", value)
         first, last = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
         if not 1 <= first <= last:
-            self.fail(f"'{value}' is no range of contours such as 2-5", param, ctx)
+            self.fail(f"'{value}' is no range such as 2-5", param, ctx)
         return first, last
 
 

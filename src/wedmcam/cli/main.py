@@ -37,6 +37,7 @@ COMMANDS = {
     "plot": ("plot:plot_command", "A picture of a drawing or a program."),
     "profile": ("profile:profile_group", "Controllers and dialects."),
     "verify": ("verify:verify_command", "Prove a program against its drawing."),
+    "zd065": ("zd065:zd065_group", "The memory of the ZD-065: show, find, move, identify."),
 }
 
 

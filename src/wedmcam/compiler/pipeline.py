@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 from wedmcam.compiler.sources import Drawn, read, where_the_wire_goes
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.diag.run import Run
-from wedmcam.ir.plan import Plan
+from wedmcam.ir.plan import Others, Plan
 from wedmcam.ir.program import Program
 from wedmcam.options import Options
+from wedmcam.programs.loads import joined, stretch
 from wedmcam.targets import Entries, Target
 
 if TYPE_CHECKING:
@@ -78,6 +79,9 @@ def write_program(
     refused = target.refuses_written
     entries = run("enter", (target.entries(plan), () if refused is None else (refused,)))
     lowered = run("lower", lower(plan, target.rules(options.judging.count)))
+    if plan.others is not None:
+        load = stretch(lowered, *plan.others.rows, plan.others.start)
+        lowered = run("lower", (load, ()))
     feed_um, sharp = options.operator.feed_um, options.cutting.sharp
     data = run("encode", target.write(lowered, plan, entries, feed_um=feed_um, sharp=sharp))
     return entries, lowered, data
@@ -126,17 +130,39 @@ def judge_program(
     strict_order: bool = True,
     fitted: bool = False,
 ) -> tuple[Verdict, list[Diagnostic]]:
-    """Run a program on its controller and measure it; see `judge.judge`."""
+    """Run a program on its controller and measure it; see `judge.judge`.
+
+    A load that begins or ends in the kerf is measured between what the others run.
+    """
     from wedmcam.judge.followed import Terms
     from wedmcam.judge.judge import judge
+    from wedmcam.judge.load import verdict_of_load
 
-    textbook = (options.judging.count or target.machine.count) == "textbook"
-    return judge(
-        program,
+    machine, others = target.machine, plan.others
+    textbook = (options.judging.count or machine.count) == "textbook"
+    whole = program if others is None else _between(program, others)
+    verdict, findings = judge(
+        whole,
         plan,
-        stepping=target.machine.stepping,
-        limits=target.machine.limits,
-        free_moves=target.machine.move_um is None,
+        stepping=machine.stepping,
+        limits=machine.limits,
+        free_moves=machine.move_um is None,
         count="textbook" if textbook else "exact",
         terms=Terms(strict_order=strict_order, trimmed=options.cutting.trim, fitted=fitted),
     )
+    if others is None:
+        return verdict, findings
+    return verdict_of_load(
+        verdict, findings, program, whole, len(others.before.blocks), machine.stepping
+    )
+
+
+def _between(program: Program, others: Others) -> Program:
+    """Return a load with what the others run before and behind it, where it starts as it does."""
+    x, y = (
+        whole + here - there
+        for whole, here, there in zip(
+            others.before.origin, program.origin, others.start, strict=True
+        )
+    )
+    return replace(joined([others.before, program, others.behind]), origin=(x, y))

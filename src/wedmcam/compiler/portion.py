@@ -1,4 +1,4 @@
-"""The part of a plan that is asked for: some cuts, or the rest from a block of its program on.
+"""The part of a plan that is asked for: some cuts, some blocks, or the rest from a block on.
 
 Blocks are those of the whole program, so it is compiled first, without its proof.
 """
@@ -11,9 +11,10 @@ import numpy as np
 
 from wedmcam.compiler.pipeline import write_program
 from wedmcam.diag.run import Refused, Run, WrongUse
-from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import Kind, Role
+from wedmcam.ir.plan import Others, Plan
+from wedmcam.ir.program import Kind, Program, Role
 from wedmcam.options import Options
+from wedmcam.programs import loads
 from wedmcam.programs.places import block_ends, match_blocks
 from wedmcam.targets import Target
 from wedmcam.transforms.plan.portion import only_cuts, remaining
@@ -38,20 +39,68 @@ def portion(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
                 f"{options.portion.cuts[0]}-{options.portion.cuts[1]}"
             )
         plan = only_cuts(plan, *options.portion.cuts)
+    if options.portion.blocks is not None:
+        return _load(plan, *options.portion.blocks, target, options, run)
     return _rest(plan, target, options, run) if options.portion.from_block else plan
 
 
-def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
-    """Return what is left of a plan from a block of its program on."""
-    machine = target.machine
-    trial = Run()  # findings on the whole program are not of its rest
+def _load(plan: Plan, first: int, last: int, target: Target, options: Options, run: Run) -> Plan:
+    """Return the plan of a load: some blocks of its program, with what other loads run of it.
+
+    Args:
+        plan: whose program has the blocks.
+        first, last: of the blocks as decoded, 1-based and both inclusive.
+        target, options, run: as of `portion`.
+
+    Raises:
+        WrongUse: there are no such blocks, or no load can begin or end between them.
+    """
+    if target.needs_lead:
+        raise WrongUse(f"--blocks begins a load in the kerf: {target.needs_lead}")
+    lowered, program = _whole(plan, target, options, run)
+    n = len(program.blocks)
+    if last > n:
+        raise WrongUse(f"the program has {n} blocks, there is no --blocks {first}-{last}")
+    kinds = program.blocks["kind"]
+    for block in [*([first] if first > 1 else []), *([last + 1] if last < n else [])]:
+        if not (kinds[block - 2 : block] < Kind.MOVE).all():
+            raise WrongUse(
+                f"between blocks {block - 1} and {block} no load can end: one of them does not cut "
+                "(between two contours, --cuts parts a program)"
+            )
+    like = match_blocks(lowered, program, target.machine)
+    rows = (
+        int(like[first - 1]) if first > 1 else 0,
+        int(like[last - 1]) if last < n else len(lowered.blocks) - 1,
+    )
+    motion = target.machine.stepping.run(program.blocks[: first - 1])
+    x, y = program.origin
+    start = (x + int(motion.dx.sum()), y + int(motion.dy.sum()))
+    before = loads.part(program, 1, first - 1, program.origin)
+    return replace(
+        plan, others=Others(before, loads.part(program, last + 1, n, start), start, rows)
+    )
+
+
+def _whole(plan: Plan, target: Target, options: Options, run: Run) -> tuple[Program, Program]:
+    """Return the program of a plan as it is lowered, and as it is decoded; it is not proven.
+
+    ``run`` takes the findings where it cannot be made.
+    """
+    trial = Run()  # findings on the whole program are not of its part
     try:
         entries, lowered, data = write_program(plan, target, options, trial)
     except Refused:
         run.findings += trial.findings
         raise
-    program, _ = target.read(data, "program", entries)
-    program = replace(program, origin=lowered.origin)
+    program, _ = target.read(data, "another load", entries)
+    return lowered, replace(program, origin=lowered.origin)
+
+
+def _rest(plan: Plan, target: Target, options: Options, run: Run) -> Plan:
+    """Return what is left of a plan from a block of its program on."""
+    machine = target.machine
+    lowered, program = _whole(plan, target, options, run)
     n = options.portion.from_block
     if n > len(program.blocks):
         raise WrongUse(f"the program has {len(program.blocks)} blocks, there is no block {n}")

@@ -86,6 +86,8 @@ def place_program(
 
     notes: list[Diagnostic] = []
     threads = [cut.thread for cut in in_steps(plan, decoded.step_um).cuts]
+    if plan.others is not None:
+        threads = [plan.others.start]  # in the kerf, where the load before it stands
     if how.origin_um is not None:
         x, y = (v / decoded.step_um for v in how.origin_um)
         best = at((round(x), round(y)))

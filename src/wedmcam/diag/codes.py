@@ -731,7 +731,43 @@ CODES: dict[str, Code] = {
     "over-memory": Code(
         "The program is larger than the controller's memory.",
         "It must be loaded in several parts.",
-        "Use `--split`, which cuts it at thread points.",
+        "Use `--split`, which cuts it at thread points, and a contour that is longer than the "
+        "memory in the kerf, at the end of a block.",
+    ),
+    "image-size": Code(
+        "An image of the ZD-065's memory has not the bytes that the memory has.",
+        "More bytes have no address there; what a shorter image does not say is taken to be 0.",
+        "Give the bytes of the memory, 4,096 at most, and nothing else.",
+    ),
+    "image-damaged": Code(
+        "Data in the memory are damaged at one place, and blocks follow each other behind it.",
+        "The machine would stop there, or run bytes as other blocks than they were.",
+        "Put the bytes right; `wedmcam zd065 show` and `find` tell what stands where.",
+    ),
+    "random-memory": Code(
+        "The memory holds no data of the ZD-065's formats: random bytes, or a text.",
+        "The machine clears its memory when it recognises random data.",
+        "`wedmcam zd065 identify --clear -o FILE` writes a cleared memory; nothing else does.",
+    ),
+    "not-random": Code(
+        "A memory was to be cleared that holds data, or nothing.",
+        "Only random data are cleared: a program with a damaged byte can be put right.",
+        "Leave --clear out.",
+    ),
+    "no-such-block": Code(
+        "The data in the memory have no block of this number.",
+        "An address would be one of other data, or of none.",
+        "Count from 1, thread points and pauses included; `wedmcam zd065 identify` tells how many.",
+    ),
+    "block-parted": Code(
+        "A range that is moved begins or ends within a block.",
+        "One part of the block stays and is cleared, or runs as another block.",
+        "Move whole blocks: `wedmcam zd065 find` tells where they begin.",
+    ),
+    "memory-overwritten": Code(
+        "Data are moved onto bytes that are not 0.",
+        "What stood there is lost.",
+        "Move them to cleared memory, or be sure that nothing there is wanted.",
     ),
     "over-travel": Code(
         "The program moves farther than the table.",

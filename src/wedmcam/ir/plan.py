@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from wedmcam.ir.choices import Order as Order
 from wedmcam.ir.choices import Side as Side
 from wedmcam.ir.contour import Contour
+from wedmcam.ir.program import Program
 from wedmcam.ir.sketch import ThreadPoint
 
 #: Outlines are one whose extremes, of vertices and centres, are the same to so many digits behind
@@ -146,6 +147,26 @@ class Material:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Others:
+    """What other loads run of a program, where this one has only some blocks of a contour.
+
+    The machine waits in the kerf between two loads, so all of them are one program that is proven
+    as one. All in steps of the machine.
+
+    Attributes:
+        before: blocks that ran before, as decoded; its origin is where the whole program starts.
+        behind: blocks that run afterwards, the end of the program among them.
+        start: where this load starts: there the one before it stands.
+        rows: of the lowered program, first and last of this load, from 0.
+    """
+
+    before: Program
+    behind: Program
+    start: tuple[int, int]
+    rows: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Plan:
     """Cuts in their order, and what they are to leave.
 
@@ -156,11 +177,13 @@ class Plan:
         scenes: every contour, whether cut or not, in groups that are one part each.
         partial: other programs cut what these cuts leave: outlines that no closed path of them
             runs along need not be cut.
+        others: what other loads run of the program of these cuts; None where it has all blocks.
     """
 
     cuts: tuple[Cut, ...]
     scenes: tuple[Scene, ...]
     partial: bool = False
+    others: Others | None = None
 
     @property
     def outlines(self) -> tuple[Contour, ...]:

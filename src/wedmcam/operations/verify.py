@@ -276,7 +276,7 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
         None if origin_mm is None else (1000 * origin_mm[0], 1000 * origin_mm[1]),
         proof.given_points(drawn, options),
         case.here.fit_origin,
-        ours,
+        ours or plan.others is not None,  # a load is of the program that is compiled
     )
     before = len(run.findings)
     program, verdict = proof.place_program(program, plan, target, options, placing, run)

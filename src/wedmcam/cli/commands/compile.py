@@ -29,7 +29,8 @@ from wedmcam.cli.settings import Configured
 @click.option(
     "--split",
     is_flag=True,
-    help="Over the memory: several files NAME-1, NAME-2, ..., cut at thread points.",
+    help="Over the memory: several files NAME-1, NAME-2, ..., cut at thread points, in the "
+    "kerf where one contour is longer.",
 )
 @click.option("--certificate", metavar="FILE.json", help="Write the certificate there.")
 @click.option(

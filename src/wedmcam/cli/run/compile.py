@@ -81,6 +81,8 @@ def _check_split(output: str, as_drawing: bool, params: dict[str, Any]) -> None:
         raise click.UsageError("--split writes several programs: give -o NAME of a program")
     if params["from_block"]:
         raise click.UsageError("--split parts a whole program: not what --from-block leaves")
+    if params["blocks"]:
+        raise click.UsageError("--split parts a whole program: --blocks is one of its loads")
 
 
 def _machine(output: str, to: str | None, as_drawing: bool, profile: str | None) -> Machine:

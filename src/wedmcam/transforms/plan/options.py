@@ -155,11 +155,14 @@ class Portion:
 
     Attributes:
         cuts: only these contours of the program, first and last, 1-based; None for all.
+        blocks: only these blocks of the program of these contours, likewise: a load that begins or
+            ends in the kerf of a contour.
         from_block: only the rest of the program from this block on, 1-based; 0 for all of it.
         backwards: the rest of the contour of ``from_block`` from its end back to that block.
     """
 
     cuts: tuple[int, int] | None = usual("cuts")
+    blocks: tuple[int, int] | None = usual("blocks")
     from_block: int = usual("from_block")
     backwards: bool = usual("backwards")
 
@@ -167,5 +170,11 @@ class Portion:
         check_kinds(self)
         if self.cuts is not None and not 1 <= self.cuts[0] <= self.cuts[1]:
             raise WrongUse("--cuts takes the first and the last contour, such as 2-5")
+        if self.blocks is not None and not 1 <= self.blocks[0] <= self.blocks[1]:
+            raise WrongUse("--blocks takes the first and the last block, such as 1-480")
+        if self.blocks is not None and self.from_block:
+            raise WrongUse(
+                "--blocks is a load of the whole program: not of what --from-block leaves"
+            )
         if self.backwards and not self.from_block:
             raise WrongUse("--backwards goes with --from-block N: back to where that block starts")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from wedmcam.cli.lengths import CUTS, OFFSET, POINT, UNIT, Length, OfLayer
+from wedmcam.cli.lengths import CUTS, DEGREES, OFFSET, POINT, UNIT, Length, OfLayer
 from wedmcam.option_table import ROWS, Kind, Panel, Row, field_rows, rows_of
 
 if TYPE_CHECKING:
@@ -95,6 +95,17 @@ layer_side_option = option(ROWS["layer_sides"])
 side_option = option(ROWS["side"], help="For the largest offset: part (default) or die.")
 d_option = option(ROWS["d"])
 feed_option = option(ROWS["feed_um"])
+#: What the operator enters for a figure in the ZD-065's rotation format.
+turning_options = _stack(
+    click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99."),
+    click.option("--angle", type=DEGREES, default=0.0, help="Degrees from copy to copy."),
+    click.option(
+        "--lead-in",
+        type=POINT,
+        help="Line entered before such a figure, from the thread point to its start: X,Y in mm.",
+    ),
+    click.option("--lead-out", type=POINT, help="Line entered behind the last copy, X,Y in mm."),
+)
 reading_options = _stack(
     click.option("--profile-in", metavar="NAME|FILE", help="Profile of the program that is read."),
     *_options(Panel.PROGRAM, of="Of an ISO program: "),

@@ -132,6 +132,7 @@ def compile_plan(
             drawn,
             verdict if ok else None,
             known,
+            entries,
         ),
         options,
         tuple(run.findings),

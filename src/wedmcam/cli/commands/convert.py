@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import click
 
 from wedmcam.cli import options as ask
 from wedmcam.cli.files import read_input, shown_name, write_outputs
-from wedmcam.cli.lengths import DEGREES, length
+from wedmcam.cli.lengths import length
 from wedmcam.cli.outputs import check_names, check_terminal, print_nothing_written
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import ReadsPrograms
@@ -19,7 +20,7 @@ from wedmcam.formats.names import FORMAT_OF_SUFFIX
 from wedmcam.judge.certificate import finding_data
 from wedmcam.machines import Machine
 from wedmcam.operations.convert import OUTPUTS, Conversion, convert, output_of
-from wedmcam.targets import Entries
+from wedmcam.targets.entries import entered_of
 
 
 @click.command("convert", cls=ReadsPrograms)
@@ -28,13 +29,7 @@ from wedmcam.targets import Entries
 @click.option("--to", metavar="FORMAT", help="Of the output; by default from its name.")
 @click.option("--format", "format_", metavar="FORMAT", help="Of PROGRAM; else by name, content.")
 @click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
-@click.option(
-    "--copies",
-    type=int,
-    default=0,
-    help="Of a figure in rotation format, 1 to 99.",
-)
-@click.option("--angle", type=DEGREES, default=0.0, help="Degrees from copy to copy.")
+@ask.turning_options
 @click.option("--gap", "gap_um", type=length("gap_um"), help="Of a compensation or 4B file.")
 @click.option(
     "--side",
@@ -57,6 +52,8 @@ def convert_command(
     profile: str | None,
     copies: int,
     angle: float,
+    lead_in: tuple[float, float] | None,
+    lead_out: tuple[float, float] | None,
     gap_um: float | None,
     side: str,
     d: tuple[tuple[int, float], ...],
@@ -92,7 +89,12 @@ def convert_command(
             format=format_,
             name=name,
             strict=strict,
-            entered=Entries(copies, angle, gap_um, side == "part", d),
+            entered=replace(
+                entered_of(copies, angle, lead_in, lead_out),
+                gap_um=gap_um,
+                outwards=side == "part",
+                d=d,
+            ),
             feed_um=feed_um,
             **ask.answers_of(params),
         )

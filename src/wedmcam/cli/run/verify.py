@@ -24,6 +24,7 @@ from wedmcam.cli.terminal import print_findings, print_json
 from wedmcam.compiler.results import Proof
 from wedmcam.judge.claims import parsed
 from wedmcam.programs.places import with_time
+from wedmcam.targets.entries import entered_of
 
 
 def run_verify(
@@ -32,6 +33,10 @@ def run_verify(
     format_: str | None,
     origin: tuple[float, float] | None,
     fit_origin: bool,
+    copies: int,
+    angle: float,
+    lead_in: tuple[float, float] | None,
+    lead_out: tuple[float, float] | None,
     certificate: str | None,
     plot_: str | None,
     metamorphic: bool,
@@ -44,6 +49,7 @@ def run_verify(
         against = against if against is not None else _drawing_of(issued, str(certificate))
         params = ask.as_issued(params, issued, given)
     options = ask.options_of(params)
+    entered = entered_of(copies, angle, lead_in, lead_out)
     named = ask.profile_in(params, given)
     machine = ask.machine_of(named, format_) if named else None
     new_certificate = None if issued else certificate
@@ -63,6 +69,7 @@ def run_verify(
             against_name=against,
             origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
             fit_origin=fit_origin,
+            entered=entered if entered.turns else None,
             certificate=issued,
             options=options,
         )

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controllers.zd065.data import POLAR
+from wedmcam.controllers.zd065.data import POLAR, cutting_blocks, displacements
 from wedmcam.controllers.zd065.rotation import rotate
-from wedmcam.diag import Diagnostic, Severity
+from wedmcam.diag import Diagnostic, FileSpan, Severity, warning
 from wedmcam.formats import rotation
 from wedmcam.formats.lengths import mm_of
 from wedmcam.frontends.zd065.memory import Stream
@@ -20,6 +20,10 @@ from wedmcam.machines import Machine
 
 #: Arcs of a larger radius are refused, um.
 MOST_RADIUS_UM = 10_000_000
+#: Copies that come this near to a whole number of turns are meant to come round, degrees.
+ROUND_DEG = 0.5
+#: And then end within this of where they began, um: the rest is rounding.
+CLOSES_UM = 0.3
 
 
 def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
@@ -35,7 +39,13 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
 
 
 def decode(
-    data: bytes, machine: Machine, file: str, copies: int = 0, step: float = 0.0
+    data: bytes,
+    machine: Machine,
+    file: str,
+    copies: int = 0,
+    step: float = 0.0,
+    lead_in: tuple[int, int] | None = None,
+    lead_out: tuple[int, int] | None = None,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that the controller makes of rotation data.
 
@@ -45,6 +55,8 @@ def decode(
         file: name for the spans.
         copies: of the figure, 0 to 99 [S].
         step: degrees between copies.
+        lead_in: line that the operator enters before the figure, um; None for none.
+        lead_out: likewise, behind the last copy.
     """
     stream, figure = _fields(data, file, machine)
     stream.tell_digits()
@@ -58,7 +70,57 @@ def decode(
         kept = figure[stream.good]
         tail = program.blocks[len(kept) :]
         program = Program(np.concatenate([rotate(kept, copies, step), tail]))
-    return program, findings
+        findings = [*findings, *_drift(kept, copies, step, file)]
+    return with_leads(program, lead_in, lead_out), findings
+
+
+def _drift(figure: NDArray[np.void], copies: int, step: float, file: str) -> list[Diagnostic]:
+    """Return a warning where copies come round, and do not come back to where they began.
+
+    The machine makes each copy as stated; what one figure is off grows to that by 1 / sin(pi / N).
+    """
+    figures = copies + 1
+    over = (figures * step + 180.0) % 360.0 - 180.0
+    if abs(over) > ROUND_DEG:
+        return []
+    way = displacements(figure).sum()
+    turns = np.exp(1j * np.radians(step * np.arange(figures)))
+    drift = float(abs(way * turns.sum()))
+    if drift <= CLOSES_UM:
+        return []
+    return [
+        warning(
+            "figure-drift",
+            "{figures} figures of {angle_deg:.8g} degrees come round, and end {drift_um:.2f} um "
+            "from where they begin",
+            FileSpan(file),
+            hint="enter 360 degrees / {figures} in full",
+            figures=figures,
+            angle_deg=step,
+            drift_um=drift,
+        )
+    ]
+
+
+def with_leads(
+    program: Program, lead_in: tuple[int, int] | None, lead_out: tuple[int, int] | None
+) -> Program:
+    """Return a program with the lines that the operator enters before and behind it."""
+    if lead_in is None and lead_out is None:
+        return program
+    blocks = program.blocks
+    ended = len(blocks) if not len(blocks) or blocks["kind"][-1] != Kind.STOP else len(blocks) - 1
+    parts = [_lead(lead_in), blocks[:ended], _lead(lead_out), blocks[ended:]]
+    return Program(np.concatenate(parts), program.origin, program.sources)
+
+
+def _lead(way: tuple[int, int] | None) -> NDArray[np.void]:
+    """Return a cutting block of a line; none where it has no length."""
+    rows = [way] if way is not None and way != (0, 0) else []
+    xy = np.array(rows, dtype=np.int64).reshape(-1, 2)
+    kind = np.full(len(xy), Kind.LINE, dtype=np.uint8)
+    none = np.zeros(len(xy), dtype=np.int64)
+    return np.asarray(cutting_blocks(kind, none, xy[:, 0], xy[:, 1], none))
 
 
 def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:

@@ -24,7 +24,7 @@ from wedmcam.ir.program import Kind
 #: off belongs to the controller.
 SAME_UM = 0.3
 #: Up to here a path that does not repeat was probably meant to, um.
-NEAR_UM = 20.0
+NEAR_UM = 5.0
 #: A joint this near to the line or the circle of both its segments is none, um.
 SMOOTH_UM = 0.05
 #: A turn by less is a translation (radians).
@@ -166,7 +166,7 @@ def _closed(s: Segments) -> Repeat | None:
             continue
         turn = 360.0 * steps / order
         mean, off = _mean(v, c, per, order, turn)
-        if off > NEAR_UM or (best is not None and off >= best.off_um):
+        if off > (NEAR_UM if best is None else SAME_UM):
             continue
         centre_mean, _ = _mean(np.where(way != 0, centres, c), c, per, order, turn)
         radii = np.tile(radius.reshape(order, per).mean(axis=0), order)
@@ -201,7 +201,7 @@ def _open(s: Segments) -> Repeat | None:
         images = np.stack([v[k * per : (k + 1) * per + 1] - c for k in range(order)]) * back
         mean = images.mean(axis=0)
         off = float(abs(images - mean).max())
-        if off > NEAR_UM or (best is not None and off >= best.off_um):
+        if off > (NEAR_UM if best is None else SAME_UM):
             continue
         arcs = np.stack([centres[k * per : (k + 1) * per] - c for k in range(order)]) * back
         best = Repeat(order, float(np.degrees(turn)), (c.real, c.imag), off, False, per,

@@ -10,8 +10,7 @@ taken away by last digits.
 Moved together: least squares of all vertices under the lengths as conditions. The conditions link
 neighbours only, so the equations of their multipliers are tridiagonal. The chord of an arc follows
 its sweep: it is free where the middle of the arc does not mind (the weight tan(s / 2)^2 / 4 of
-chord and middle), fixed at half a turn, where R rules the chord. Arcs of more than `WIDE` are
-two blocks.
+chord and middle), fixed at half a turn, where R rules the chord. Wide arcs are two blocks.
 """
 
 from __future__ import annotations
@@ -31,12 +30,15 @@ Complex = NDArray[np.complex128]
 
 #: Arcs that cover more are stated as two, degrees; a full circle stays one.
 WIDE = 200.0
+#: And of those whose R is not whole within this, um, arcs that cover more than this: the nearer to
+#: half a turn, the less the chord can make up for the radius.
+WHOLE_UM, BLUNT = 0.3, 100.0
 #: Longer lines are stated as several, um: the field has 6 digits.
 LONGEST_UM = 999_999
 #: Blocks shorter than this have no whole length, and are left out, um.
 SPECK_UM = 0.7
 #: A vertex that would have to move farther is one that the lengths do not allow, um.
-MOVED_UM = 0.8
+MOVED_UM = 1.0
 #: Weights of arcs: from here on the chord is fixed.
 FIXED = 1e12
 #: So many unknowns are solved for, all in all, to find better lengths; nearer is near enough, um.
@@ -58,6 +60,7 @@ class Stated:
         closes: whether the end of the path could be reached.
         drift_um: how far the stated end is from the end of the path.
         off_um: how far vertices and middles of arcs are from those of the path, at most.
+        begin: where the first block begins, from the start of the path.
     """
 
     figure: NDArray[np.void]
@@ -66,6 +69,13 @@ class Stated:
     closes: bool
     drift_um: float
     off_um: float
+    begin: complex = 0j
+
+    def off_from(self, path: NDArray[np.void]) -> float:
+        """Return how far vertices and middles of arcs are from those of a path of as many rows."""
+        path, _ = divided(path, np.bincount(self.of, minlength=len(path)))
+        off = abs(self.ends - (path["x"] + 1j * path["y"])).max(initial=0.0)
+        return float(max(off, _middles_off(self.figure, path, self.ends, self.begin)))
 
 
 def state(path: NDArray[np.void], *, closes: bool = True, begin: complex = 0j) -> Stated:
@@ -96,10 +106,10 @@ def state(path: NDArray[np.void], *, closes: bool = True, begin: complex = 0j) -
     _find_angles(figure, path, moved)
     if closes and done:
         _close(figure, complex(ends[-1] - begin) if len(ends) else 0j)
-    at = begin + np.cumsum(displacements(figure))
-    drift = abs(at[-1] - ends[-1]) if len(ends) else 0.0
-    off = float(max(abs(at - ends).max(initial=0.0), _middles_off(figure, path, at, begin)))
-    return Stated(figure, of, at, done, float(drift), off)
+    made = np.asarray(begin + np.cumsum(displacements(figure)))
+    drift = float(abs(made[-1] - ends[-1])) if len(ends) else 0.0
+    off = float(max(abs(made - ends).max(initial=0.0), _middles_off(figure, path, made, begin)))
+    return Stated(figure, of, made, done, drift, off, begin)
 
 
 def nearness(path: NDArray[np.void]) -> float:
@@ -113,8 +123,12 @@ def nearness(path: NDArray[np.void]) -> float:
     return float(abs(v - points).max()) if good else float(np.inf)
 
 
-def divided(path: NDArray[np.void]) -> tuple[NDArray[np.void], Ints]:
+def divided(
+    path: NDArray[np.void], pieces: Ints | None = None
+) -> tuple[NDArray[np.void], Ints]:
     """Return a path without specks, with wide arcs and long lines in pieces, and of which rows.
+
+    ``pieces``: how many of each row; None for as many as it needs.
 
     >>> from wedmcam.controllers.zd065.data import WAY
     >>> row = np.zeros(1, WAY)
@@ -126,12 +140,15 @@ def divided(path: NDArray[np.void]) -> tuple[NDArray[np.void], Ints]:
     ends = path["x"] + 1j * path["y"]
     arc = path["kind"] == Kind.ARC
     ring = rings(path)
-    wide = arc & ~ring & (path["sweep"] > WIDE)
+    rounded = abs(path["radius"] - np.floor(path["radius"] + 0.5)) > WHOLE_UM
+    wide = arc & ~ring & (path["sweep"] > np.where(rounded, BLUNT, WIDE))
     long = np.where(arc, 0.0, abs(ends - starts))
-    pieces = np.where(wide, 2, np.maximum(np.ceil(long / (LONGEST_UM - 1)), 1)).astype(np.int64)
-    # A speck ends where the block before it is made to end.
-    speck = ~ring & (abs(ends - starts) < SPECK_UM) & ~wide
-    pieces[speck] = 0
+    if pieces is None:
+        pieces = np.where(wide, 2, np.maximum(np.ceil(long / (LONGEST_UM - 1)), 1))
+        pieces = np.asarray(pieces, dtype=np.int64)
+        # A speck ends where the block before it is made to end.
+        pieces[~ring & (abs(ends - starts) < SPECK_UM) & ~wide] = 0
+    wide, speck = arc & (pieces == 2), pieces == 0
     of = np.repeat(np.arange(len(path)), pieces)
     out = path[of]
     part = np.arange(len(of)) - np.repeat(np.cumsum(pieces) - pieces, pieces) + 1
@@ -390,7 +407,8 @@ def _close(figure: NDArray[np.void], end: complex) -> None:
         return
     g = np.array(gains)
     owner = np.array([k for k, _, _ in choices])
-    best, chosen = abs(rest), ()
+    best = abs(rest)
+    chosen: tuple[int, ...] = ()
     one = abs(rest + g)
     if one.min() < best:
         best, chosen = float(one.min()), (int(one.argmin()),)
@@ -399,9 +417,9 @@ def _close(figure: NDArray[np.void], end: complex) -> None:
     if both.min() < best:
         at = np.unravel_index(int(both.argmin()), both.shape)
         chosen = tuple(int(v) for v in at)
-    for c in chosen:
-        k, name, value = choices[c]
-        figure[name][k] = value
+    for which in chosen:
+        row_number, column, new = choices[which]
+        figure[column][row_number] = new
 
 
 def _middles_off(

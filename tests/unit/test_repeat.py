@@ -16,8 +16,10 @@ def slotted(order, centre=(3000.0, -2000.0), shift=0, rounding=None, clockwise=F
     rows = []
     for k in range(order):
         a = 2 * np.pi * k / order
-        p = [radius * np.exp(1j * (a + share * 2 * np.pi / order))
-             for radius, share in ((9000.0, 0.0), (9000.0, 0.4), (7000.0, 0.55), (7000.0, 0.85))]
+        p = [
+            radius * np.exp(1j * (a + share * 2 * np.pi / order))
+            for radius, share in ((9000.0, 0.0), (9000.0, 0.4), (7000.0, 0.55), (7000.0, 0.85))
+        ]
         for place, turn in zip(p, (1, 0, 1, 0), strict=True):
             place += c
             if rounding:

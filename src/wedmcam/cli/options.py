@@ -105,6 +105,11 @@ turning_options = _stack(
         help="Line entered before such a figure, from the thread point to its start: X,Y in mm.",
     ),
     click.option("--lead-out", type=POINT, help="Line entered behind the last copy, X,Y in mm."),
+    click.option(
+        "--open-loop",
+        is_flag=True,
+        help="The ZD-065 processes such data literally: roundings add up from block to block.",
+    ),
 )
 reading_options = _stack(
     click.option("--profile-in", metavar="NAME|FILE", help="Profile of the program that is read."),

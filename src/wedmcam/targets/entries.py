@@ -35,6 +35,7 @@ class Entries:
         lead_in: line before the figure, from the thread point to where it starts, whole um; None
             where none is entered: the format holds no lead outside the figure that it repeats.
         lead_out: line behind the last copy, likewise.
+        open_loop: the ZD-065 processes data literally: roundings add up from block to block.
         gap_um: of a compensation or 4B file, whole um; None where it is not stated: what is read
             then is the outline, and `Target.unstated` says so.
         outwards: True for a part (punch), False for a die.
@@ -56,6 +57,7 @@ class Entries:
     dialect: Dialect | None = None
     lead_in: tuple[int, int] | None = None
     lead_out: tuple[int, int] | None = None
+    open_loop: bool = False
 
     def __post_init__(self) -> None:
         if bool(self.copies) != bool(self.angle):
@@ -89,6 +91,11 @@ class Entries:
         if self.turns and source != "rotation":
             raise WrongUse(
                 f"--lead-in and --lead-out belong to a figure in rotation format, not to {source}"
+            )
+        if self.open_loop and source not in ("rotation", "compensation"):
+            raise WrongUse(
+                "--open-loop is for the ZD-065's rotation and compensation formats, not for "
+                f"{source}"
             )
         if self.d and source != "iso":
             raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
@@ -184,6 +191,7 @@ def entered_of(
     angle: float,
     lead_in: tuple[float, float] | None,
     lead_out: tuple[float, float] | None,
+    open_loop: bool = False,
 ) -> Entries:
     """Return the entries for a figure in rotation format, as options state them, um.
 
@@ -195,6 +203,7 @@ def entered_of(
         angle,
         lead_in=whole_um(lead_in, "--lead-in"),
         lead_out=whole_um(lead_out, "--lead-out"),
+        open_loop=open_loop,
     )
 
 

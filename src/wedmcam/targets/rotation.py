@@ -58,7 +58,11 @@ class Rotation(Memory):
     def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
         """Copies, angle and leads as they are stated."""
         return Entries(
-            entries.copies, entries.angle, lead_in=entries.lead_in, lead_out=entries.lead_out
+            entries.copies,
+            entries.angle,
+            lead_in=entries.lead_in,
+            lead_out=entries.lead_out,
+            open_loop=entries.open_loop,
         )
 
     def write(
@@ -92,6 +96,7 @@ class Rotation(Memory):
             step=entries.angle,
             lead_in=entries.lead_in,
             lead_out=entries.lead_out,
+            open_loop=entries.open_loop,
         )
 
     def on_contour(self, plan: Plan, entries: Entries) -> tuple[Plan, list[Diagnostic]]:

@@ -123,9 +123,7 @@ def nearness(path: NDArray[np.void]) -> float:
     return float(abs(v - points).max()) if good else float(np.inf)
 
 
-def divided(
-    path: NDArray[np.void], pieces: Ints | None = None
-) -> tuple[NDArray[np.void], Ints]:
+def divided(path: NDArray[np.void], pieces: Ints | None = None) -> tuple[NDArray[np.void], Ints]:
     """Return a path without specks, with wide arcs and long lines in pieces, and of which rows.
 
     ``pieces``: how many of each row; None for as many as it needs.

@@ -54,6 +54,7 @@ def convert_command(
     angle: float,
     lead_in: tuple[float, float] | None,
     lead_out: tuple[float, float] | None,
+    open_loop: bool,
     gap_um: float | None,
     side: str,
     d: tuple[tuple[int, float], ...],
@@ -90,7 +91,7 @@ def convert_command(
             name=name,
             strict=strict,
             entered=replace(
-                entered_of(copies, angle, lead_in, lead_out),
+                entered_of(copies, angle, lead_in, lead_out, open_loop),
                 gap_um=gap_um,
                 outwards=side == "part",
                 d=d,

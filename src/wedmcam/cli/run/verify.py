@@ -37,6 +37,7 @@ def run_verify(
     angle: float,
     lead_in: tuple[float, float] | None,
     lead_out: tuple[float, float] | None,
+    open_loop: bool,
     certificate: str | None,
     plot_: str | None,
     metamorphic: bool,
@@ -49,7 +50,7 @@ def run_verify(
         against = against if against is not None else _drawing_of(issued, str(certificate))
         params = ask.as_issued(params, issued, given)
     options = ask.options_of(params)
-    entered = entered_of(copies, angle, lead_in, lead_out)
+    entered = entered_of(copies, angle, lead_in, lead_out, open_loop)
     named = ask.profile_in(params, given)
     machine = ask.machine_of(named, format_) if named else None
     new_certificate = None if issued else certificate
@@ -69,7 +70,7 @@ def run_verify(
             against_name=against,
             origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
             fit_origin=fit_origin,
-            entered=entered if entered.turns else None,
+            entered=entered if entered.turns or open_loop else None,
             certificate=issued,
             options=options,
         )

@@ -41,9 +41,9 @@ EXACT = np.dtype(
 #: Sweep above which the centre comes of the polar angle of the start, degrees.
 LONG = 270.0
 #: How far the circle of a block may stray from the stated one between its ends, um.
-STRAY = 1.0
+STRAY = 0.25
 #: Where an arc stands less than this from its chord, and no centre fits, a line does, um.
-FLAT = 0.5
+FLAT = 0.25
 #: Candidate centres about the ideal one, um: the nearest 9, then the other 16 of 25.
 _GRID = np.array([(i, j) for i in range(-2, 3) for j in range(-2, 3)])
 _NEAR = np.abs(_GRID).max(axis=1) <= 1

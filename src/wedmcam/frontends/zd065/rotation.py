@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers.zd065.data import POLAR, cutting_blocks, displacements
+from wedmcam.controllers.zd065.loop import EXACT, follow
 from wedmcam.controllers.zd065.rotation import rotate
 from wedmcam.diag import Diagnostic, FileSpan, Severity, warning
 from wedmcam.formats import rotation
@@ -20,6 +21,8 @@ from wedmcam.machines import Machine
 
 #: Arcs of a larger radius are refused, um.
 MOST_RADIUS_UM = 10_000_000
+#: Largest J of a block, um [S].
+MOST_COUNT = 999_999
 #: Copies that come this near to a whole number of turns are meant to come round, degrees.
 ROUND_DEG = 0.5
 #: And then end within this of where they began, um: the rest is rounding.
@@ -46,6 +49,7 @@ def decode(
     step: float = 0.0,
     lead_in: tuple[int, int] | None = None,
     lead_out: tuple[int, int] | None = None,
+    open_loop: bool = False,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that the controller makes of rotation data.
 
@@ -57,21 +61,45 @@ def decode(
         step: degrees between copies.
         lead_in: line that the operator enters before the figure, um; None for none.
         lead_out: likewise, behind the last copy.
+        open_loop: each block by itself, literally.
     """
     stream, figure = _fields(data, file, machine)
     stream.tell_digits()
     _check(stream, figure)
-    blocks = rotate(_safe(figure, stream))
-    x, y = blocks["x"], blocks["y"]
-    stream.tell_blocks(x, y, blocks["count"])
+    stated = rotate(_safe(figure, stream))
+    x, y, count = stated["x"], stated["y"], stated["count"]
+    # An arc over the limit of J is one that the closed loop cuts in pieces.
+    stream.tell_blocks(x, y, count if open_loop else np.minimum(count, MOST_COUNT))
     stream.tell_quadrants(x, y)
-    program, findings = stream.finish(blocks)
-    if copies and stream.good.any():
-        kept = figure[stream.good]
-        tail = program.blocks[len(kept) :]
-        program = Program(np.concatenate([rotate(kept, copies, step), tail]))
+    literal, findings = stream.finish(stated)
+    kept = figure[stream.good]
+    blocks = _process(kept, copies, step, open_loop)
+    # Each block where its figure states it; the end byte, the leads, where there is none.
+    at = blocks["source"] % max(len(kept), 1)
+    blocks["source"] = -1
+    spans = [*(literal.spans[i] for i in at.tolist()), *literal.spans[len(kept) :]]
+    program = Program(np.concatenate([blocks, literal.blocks[len(kept) :]]), spans=spans)
+    if copies:
         findings = [*findings, *_drift(kept, copies, step, file)]
     return with_leads(program, lead_in, lead_out), findings
+
+
+def _process(
+    figure: NDArray[np.void], copies: int, step: float, open_loop: bool
+) -> NDArray[np.void]:
+    """Return the cutting blocks of a figure and its copies; ``source`` counts through all rows."""
+    if open_loop:
+        blocks = rotate(figure, copies, step)
+        blocks["source"] = np.arange(len(blocks))
+        return blocks
+    rows = np.tile(figure, copies + 1)
+    rows["start"] = (rows["start"] + step * np.repeat(np.arange(copies + 1), len(figure))) % 360.0
+    ends = np.cumsum(displacements(rows))
+    path = np.zeros(len(rows), dtype=EXACT)
+    for name in ("kind", "turn", "sweep", "start"):
+        path[name] = rows[name]
+    path["radius"], path["x"], path["y"] = rows["size"], ends.real, ends.imag
+    return follow(path).blocks.copy()
 
 
 def _drift(figure: NDArray[np.void], copies: int, step: float, file: str) -> list[Diagnostic]:
@@ -106,12 +134,19 @@ def with_leads(
     program: Program, lead_in: tuple[int, int] | None, lead_out: tuple[int, int] | None
 ) -> Program:
     """Return a program with the lines that the operator enters before and behind it."""
-    if lead_in is None and lead_out is None:
+    if (lead_in is None and lead_out is None) or not len(program.spans):
         return program
     blocks = program.blocks
     ended = len(blocks) if not len(blocks) or blocks["kind"][-1] != Kind.STOP else len(blocks) - 1
     parts = [_lead(lead_in), blocks[:ended], _lead(lead_out), blocks[ended:]]
-    return Program(np.concatenate(parts), program.origin, program.sources)
+    first, last = program.spans[0], program.spans[-1]
+    spans = [
+        *[first] * len(parts[0]),
+        *program.spans[:ended],
+        *[last] * len(parts[2]),
+        *program.spans[ended:],
+    ]
+    return Program(np.concatenate(parts), program.origin, program.sources, spans)
 
 
 def _lead(way: tuple[int, int] | None) -> NDArray[np.void]:

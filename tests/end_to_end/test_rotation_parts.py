@@ -42,10 +42,19 @@ def rotor(order, radius=20.0, deep=4.0, half=1.2, units=4):
     rim = math.tan((2 * math.pi / order - 2 * math.asin(half / radius)) / 4)
     for k in range(order):
         z = complex(math.cos(2 * math.pi * k / order), math.sin(2 * math.pi * k / order))
-        for place, bulge in ((complex(out, -half), 0), (complex(out - deep, -half), -1.0),
-                             (complex(out - deep, half), 0), (complex(out, half), rim)):  # fmt: skip
+        slot = (
+            (complex(out, -half), 0),
+            (complex(out - deep, -half), -1.0),
+            (complex(out - deep, half), 0),
+            (complex(out, half), rim),
+        )
+        for place, bulge in slot:
             rows.append(((place * z).real, (place * z).imag, bulge))
-    return drawing(lambda doc, msp: msp.add_lwpolyline(rows, format="xyb", close=True), units=units)
+
+    def draw(doc, msp):
+        msp.add_lwpolyline(rows, format="xyb", close=True)
+
+    return drawing(draw, units=units)
 
 
 def closing_um(data, entered):

@@ -19,6 +19,7 @@ from wedmcam.option_table import ROWS, Kind, Panel, Row, field_rows, rows_of
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
     from wedmcam.options import Options
+    from wedmcam.targets.entries import Entries
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -314,6 +315,18 @@ def as_issued(
             value = issued.value(row)
             merged[row.param] = row.words[value] if row.kind is Kind.FLAG and row.words else value
     return merged
+
+
+def entered_in(params: dict[str, Any]) -> Entries:
+    """Take what is entered for a figure in rotation format out of parameters.
+
+    Raises:
+        WrongUse: a lead that is no whole um, or entries that do not fit together.
+    """
+    from wedmcam.targets.entries import entered_of
+
+    names = ("copies", "angle", "lead_in", "lead_out", "open_loop")
+    return entered_of(*(params.pop(name) for name in names))
 
 
 def check_source(name: str, from_: str | None) -> None:

@@ -41,12 +41,14 @@ class Files:
         source: its bytes.
         program_name: empty where none is written.
         program: its bytes; None where there is none.
+        entered: what the operator enters beside it.
     """
 
     source_name: str
     source: bytes
     program_name: str
     program: bytes | None
+    entered: Entries | None = None
 
 
 def summary_of(
@@ -57,7 +59,6 @@ def summary_of(
     drawn: Drawn | None,
     verdict: Verdict | None,
     understood: Understanding | None,
-    entries: Entries | None = None,
 ) -> dict[str, Any]:
     """Return the certificate, or what is known of it when there is no verdict."""
     rows = None if understood is None else understood.as_data()
@@ -115,8 +116,8 @@ def summary_of(
         result["d_um"] = {str(number): um for number, um in options.operator.d}
         if machine.iso.entry_factor == 2:
             result["d_is"] = "diameter"
-    if entries is not None and entries.turns:
-        result["entered"] = entries.as_data()
+    if files.entered is not None and files.entered.turns:
+        result["entered"] = files.entered.as_data()
     if files.program is None or not files.program_name:
         result["output"] = None
     result["ok"] = files.program is not None
@@ -132,16 +133,13 @@ def proof_summary(
     figures: dict[str, Any],
     verdict: Verdict | None,
     understood: Understanding | None,
-    entries: Entries | None = None,
 ) -> dict[str, Any]:
     """Return the summary of a proof: the certificate, or the figures of the program alone.
 
     ``figures``: of the program where there is no drawing; other arguments as `summary_of`.
     """
     if verdict is not None:
-        summary = summary_of(
-            run.findings, machine, options, files, drawn, verdict, understood, entries
-        )
+        summary = summary_of(run.findings, machine, options, files, drawn, verdict, understood)
         summary["ok"] = not has_errors(run.findings)
         return summary
     unproven = replace(files, program=None)
@@ -153,8 +151,8 @@ def proof_summary(
         "offset_um": None,
     }
     summary |= figures
-    if entries is not None and entries.turns:
-        summary["entered"] = entries.as_data()
+    if files.entered is not None and files.entered.turns:
+        summary["entered"] = files.entered.as_data()
     if not files.source:
         del summary["sha256"], summary["arithmetic"]  # nothing was computed
         summary["ok"] = not has_errors(run.findings)

@@ -163,8 +163,9 @@ class _Case:
 
     @property
     def files(self) -> Files:
-        """Both files, for a summary."""
-        return Files(self.drawing_name, self.drawing or b"", self.name, self.data)
+        """Both files and what is entered, for a summary."""
+        drawing = self.drawing or b""
+        return Files(self.drawing_name, drawing, self.name, self.data, self.entered)
 
 
 @dataclass(slots=True, eq=False)
@@ -212,7 +213,6 @@ def _proof_of(case: _Case) -> Proof:
         known.figures,
         known.verdict,
         understood,
-        known.entries,
     )
     if known.verdict is not None and case.certificate is None:
         summary["leads"] = "own"  # so order and leads are not held to the plan's next time either
@@ -305,7 +305,6 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
         drawn,
         verdict,
         understood_of(plan),
-        known.entries,
     )
     run.add(
         "certificate",

@@ -24,7 +24,6 @@ from wedmcam.cli.terminal import print_findings, print_json
 from wedmcam.compiler.results import Proof
 from wedmcam.judge.claims import parsed
 from wedmcam.programs.places import with_time
-from wedmcam.targets.entries import entered_of
 
 
 def run_verify(
@@ -33,11 +32,6 @@ def run_verify(
     format_: str | None,
     origin: tuple[float, float] | None,
     fit_origin: bool,
-    copies: int,
-    angle: float,
-    lead_in: tuple[float, float] | None,
-    lead_out: tuple[float, float] | None,
-    open_loop: bool,
     certificate: str | None,
     plot_: str | None,
     metamorphic: bool,
@@ -49,8 +43,8 @@ def run_verify(
     if issued is not None:
         against = against if against is not None else _drawing_of(issued, str(certificate))
         params = ask.as_issued(params, issued, given)
+    entered = ask.entered_in(params)
     options = ask.options_of(params)
-    entered = entered_of(copies, angle, lead_in, lead_out, open_loop)
     named = ask.profile_in(params, given)
     machine = ask.machine_of(named, format_) if named else None
     new_certificate = None if issued else certificate
@@ -70,7 +64,7 @@ def run_verify(
             against_name=against,
             origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
             fit_origin=fit_origin,
-            entered=entered if entered.turns or open_loop else None,
+            entered=entered if entered.turns or entered.open_loop else None,
             certificate=issued,
             options=options,
         )

@@ -6,7 +6,8 @@ is tried by stepping until it arrives. So each vertex as stepped is within 1 um 
 ZD-065 did this [R]. What the exact vertices are is for the data processing to say, in its 8-digit
 arithmetic; the search for whole numbers here is proven by stepping, so float64 will do for it.
 
-Arcs are tried all at once; only those that no centre brings to their end are halved and tried again.
+Arcs are tried all at once; only those that no centre brings to their end are halved and tried
+again.
 """
 
 from __future__ import annotations

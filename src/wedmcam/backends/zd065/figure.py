@@ -130,9 +130,9 @@ def divided(path: NDArray[np.void], pieces: Ints | None = None) -> tuple[NDArray
 
     >>> from wedmcam.controllers.zd065.data import WAY
     >>> row = np.zeros(1, WAY)
-    >>> row[0] = (Kind.ARC, 1, 0.0, -1000.0, 500.0, 270.0, 0.0)
+    >>> row[0] = (Kind.ARC, 1, 0.0, -707.1, 500.0, 270.0, 0.0)
     >>> [[round(v) for v in divided(row)[0][k].tolist()] for k in ("x", "y", "sweep")]
-    [[683, 0], [-683, -1000], [135, 135]]
+    [[-854, 0], [-354, -707], [135, 135]]
     """
     starts = np.concatenate([[0j], (path["x"] + 1j * path["y"])[:-1]])
     ends = path["x"] + 1j * path["y"]

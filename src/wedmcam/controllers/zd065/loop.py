@@ -6,8 +6,7 @@ is tried by stepping until it arrives. So each vertex as stepped is within 1 um 
 ZD-065 did this [R]. What the exact vertices are is for the data processing to say, in its 8-digit
 arithmetic; the search for whole numbers here is proven by stepping, so float64 will do for it.
 
-Arcs are tried all at once; only those that no centre brings to their end are halved and tried
-again.
+Arcs are tried all at once; those that no centre brings to their end are halved and tried again.
 """
 
 from __future__ import annotations
@@ -113,7 +112,7 @@ def follow(
     >>> quarter[0] = (Kind.ARC, 1, -10_000.3, 10_000.3, 10_000.3, 90.0, 0.0, 0)
     >>> f = follow(quarter)
     >>> f.ends.tolist(), f.blocks["x"].tolist(), f.blocks["count"].tolist()
-    ([[-10000, 10000]], [10000], [14142])
+    ([[-10000, 10000]], [10000], [14143])
     """
     most = most or Most()
     left, split, parts = _whole_rows(path, start), np.zeros(len(path), np.bool_), []

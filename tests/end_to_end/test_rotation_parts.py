@@ -119,6 +119,16 @@ def test_more_figures_than_copies_are_figures_of_several():
     assert "a figure is 2 of them: the controller makes 99 copies" in told.message
 
 
+def test_what_the_copies_take_in_memory_is_said():
+    """One of 36 slots is 175 bytes; the cutting data of all are more than the memory."""
+    made = wedmcam.compile(SAMPLES / "stator-36.dxf", to="rotation", cuts=(1, 1), offset=0.1)
+    assert made.ok
+    assert len(made.data) < 200
+    (told,) = said(made, "over-memory")
+    assert told.values["bytes"] > 4096
+    assert told.values["loads"] == 2
+
+
 def test_a_prime_number_of_them_is_said():
     made = wedmcam.compile(polygon(101), to="rotation", name="p.wed")
     assert made.ok

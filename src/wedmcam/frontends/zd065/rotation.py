@@ -13,7 +13,7 @@ from wedmcam.controllers.zd065.data import POLAR, cutting_blocks, displacements
 from wedmcam.controllers.zd065.loop import EXACT, follow
 from wedmcam.controllers.zd065.rotation import rotate
 from wedmcam.diag import Diagnostic, FileSpan, Severity, warning
-from wedmcam.formats import rotation
+from wedmcam.formats import compact, rotation
 from wedmcam.formats.lengths import mm_of
 from wedmcam.frontends.zd065.memory import Stream
 from wedmcam.ir.program import Kind, Program
@@ -79,9 +79,36 @@ def decode(
     blocks["source"] = -1
     spans = [*(literal.spans[i] for i in at.tolist()), *literal.spans[len(kept) :]]
     program = Program(np.concatenate([blocks, literal.blocks[len(kept) :]]), spans=spans)
+    program = with_leads(program, lead_in, lead_out)
     if copies:
-        findings = [*findings, *_drift(kept, copies, step, file)]
-    return with_leads(program, lead_in, lead_out), findings
+        findings += [*_drift(kept, copies, step, file), *_too_large(program, machine, file)]
+    return program, findings
+
+
+def _too_large(program: Program, machine: Machine, file: str) -> list[Diagnostic]:
+    """Return a warning where the memory does not hold what the processing makes of a figure."""
+    kind, most = program.blocks["kind"], machine.limits.memory_bytes
+    sizes = np.select(
+        [kind == Kind.ARC, kind <= Kind.MOVE, kind == Kind.STOP],
+        [compact.ARC_BYTES, compact.LINE_BYTES, 0],
+        1,
+    )
+    made = int(sizes.sum()) + 1
+    if not most or made <= most:
+        return []
+    return [
+        warning(
+            "over-memory",
+            "the figure and its copies are {bytes} bytes of cutting data; the memory of {machine} "
+            "holds {most}: {loads} loads",
+            FileSpan(file),
+            hint="fewer copies at a time, each load from where the one before ended",
+            bytes=made,
+            machine=machine.name,
+            most=most,
+            loads=compact.loads(sizes, most),
+        )
+    ]
 
 
 def _process(

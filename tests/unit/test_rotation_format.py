@@ -1,12 +1,13 @@
 """The rotation format: its bytes, what the controller makes of them, and that they are lossless."""
 
+from itertools import groupby
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wedmcam import machines
-from wedmcam.backends.zd065.compact import encode as encode_compact
 from wedmcam.backends.zd065.rotation import encode
 from wedmcam.controllers.zd065.data import POLAR
 from wedmcam.controllers.zd065.rotation import rotate, square_count
@@ -45,8 +46,8 @@ def test_bytes_are_what_the_widths_say():
     assert figure["sweep"].tolist() == [0.0, 90.0]
 
 
-def test_what_the_controller_makes_of_it():
-    made, found = decode(LINE + ARC + b"\0", M, "a.zdr")
+def test_what_the_controller_makes_of_it_literally():
+    made, found = decode(LINE + ARC + b"\0", M, "a.zdr", open_loop=True)
     assert not found
     b = made.blocks
     assert b["x"].tolist() == [17_321, 10_000, 0]  # 20 mm cos 30
@@ -72,7 +73,8 @@ def test_36_copies_of_ten_degrees_come_back():
     f[0] = (Kind.LINE, 0, 5.0, 8_716, 0)  # a side of a 36-gon
     b = rotate(f, 35, 10.0)
     assert (b["x"].sum(), b["y"].sum()) == (0, 0)
-    turned, _ = decode(bytes.fromhex("01 01 50000000 008716 00"), M, "a", copies=35, step=10.0)
+    data = bytes.fromhex("01 01 50000000 008716 00")
+    turned, _ = decode(data, M, "a", copies=35, step=10.0, open_loop=True)
     assert turned.blocks["x"][:36].tolist() == b["x"].tolist()
     assert turned.blocks["kind"][36] == Kind.STOP
 
@@ -96,6 +98,12 @@ def test_count_along_the_inscribed_square(start, end, radius, count):
 um = st.integers(-200_000, 200_000)
 
 
+def ends(p):
+    """Where blocks end as stepped, complex um."""
+    motion = M.own_stepping.run(p.blocks)
+    return np.cumsum(motion.dx + 1j * motion.dy)
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     st.lists(
@@ -108,41 +116,26 @@ um = st.integers(-200_000, 200_000)
         max_size=30,
     )
 )  # fmt: skip
-def test_any_program_of_the_cutting_format_goes_through_unchanged(rows):
+def test_any_program_of_the_cutting_format_goes_through(rows):
+    """Law: its vertices stay where they are, but for the um that whole lengths and radii leave."""
     rows = [
         (k, t, x, y, min(j, int(5 * np.hypot(x, y))) if t else max(abs(x), abs(y)))
         for k, t, x, y, j in rows
-        if np.hypot(x, y) > 5
+        if np.hypot(x, y) > 50
     ]
     if not rows:
         return
     p = program(*rows, (Kind.STOP, 0, 0, 0, 0))
     data, found = encode(p, M)
-    if errors(found) == ["not-reachable"]:  # one number in some thousands at this size
-        return
     assert not errors(found), found
     back, found = decode(data, M, "a.zdr")
     assert not errors(found)
-    for name in ("kind", "turn", "axis", "x", "y", "count"):
-        assert back.blocks[name].tolist() == p.blocks[name].tolist(), name
-    seen = identify(data)
-    assert (seen.format, seen.blocks) == ("rotation", len(rows))
-    assert seen.last_address == len(data) - 1
-
-
-def test_nearly_every_block_can_be_reached():
-    rng = np.random.default_rng(65)
-    n = 3000
-    r, a = 10 ** rng.uniform(1.5, 5.5, n), rng.uniform(0, 2 * np.pi, n)
-    blocks = np.zeros(n, BLOCK)
-    blocks["kind"], blocks["axis"] = Kind.ARC, Axis.SQUARE
-    blocks["turn"] = rng.choice([-1, 1], n)
-    blocks["x"], blocks["y"] = np.round(r * np.cos(a)), np.round(r * np.sin(a))
-    blocks["count"] = np.minimum(np.maximum(rng.uniform(0, 5.5, n) * r, 1), 900_000)
-    data, found = encode(Program(blocks), machines.parse(
-        machines.text("zd065-rotation").replace("4096", "100000"), "m")[0])  # fmt: skip
-    assert not errors(found), found
-    assert len(data) == 15 * n + 1
+    there = ends(back)
+    for end in ends(p):
+        assert abs(there - end).min() <= 2.5
+    assert abs(there[-1] - ends(p)[-1]) <= 2.5
+    assert identify(data).format == "rotation"
+    assert identify(data).last_address == len(data) - 1
 
 
 def test_moves_and_controls_go_through():
@@ -154,7 +147,10 @@ def test_moves_and_controls_go_through():
     data, found = encode(p, machine)
     assert not errors(found)
     back, _ = decode(data, machine, "a.zdr")
-    assert encode_compact(back, zd)[0] == raw
+    # The arc ends some steps behind a full turn: it is two blocks.
+    kinds = [[k for k, _ in groupby(which.blocks["kind"].tolist())] for which in (back, p)]
+    assert kinds[0] == kinds[1]
+    assert set(ends(back).tolist()) >= set(ends(p).tolist())
 
 
 @pytest.mark.parametrize(

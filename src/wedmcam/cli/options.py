@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
-from wedmcam.cli.lengths import CUTS, OFFSET, POINT, UNIT, Length, OfLayer
+from wedmcam.cli.lengths import CUTS, DEGREES, OFFSET, POINT, UNIT, Length, OfLayer
 from wedmcam.option_table import ROWS, Kind, Panel, Row, field_rows, rows_of
 
 if TYPE_CHECKING:
     from wedmcam.machines import Machine
     from wedmcam.options import Options
+    from wedmcam.targets.entries import Entries
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -95,6 +96,22 @@ layer_side_option = option(ROWS["layer_sides"])
 side_option = option(ROWS["side"], help="For the largest offset: part (default) or die.")
 d_option = option(ROWS["d"])
 feed_option = option(ROWS["feed_um"])
+#: What the operator enters for a figure in the ZD-065's rotation format.
+turning_options = _stack(
+    click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99."),
+    click.option("--angle", type=DEGREES, default=0.0, help="Degrees from copy to copy."),
+    click.option(
+        "--lead-in",
+        type=POINT,
+        help="Line entered before such a figure, from the thread point to its start: X,Y in mm.",
+    ),
+    click.option("--lead-out", type=POINT, help="Line entered behind the last copy, X,Y in mm."),
+    click.option(
+        "--open-loop",
+        is_flag=True,
+        help="The ZD-065 processes such data literally: roundings add up from block to block.",
+    ),
+)
 reading_options = _stack(
     click.option("--profile-in", metavar="NAME|FILE", help="Profile of the program that is read."),
     *_options(Panel.PROGRAM, of="Of an ISO program: "),
@@ -298,6 +315,18 @@ def as_issued(
             value = issued.value(row)
             merged[row.param] = row.words[value] if row.kind is Kind.FLAG and row.words else value
     return merged
+
+
+def entered_in(params: dict[str, Any]) -> Entries:
+    """Take what is entered for a figure in rotation format out of parameters.
+
+    Raises:
+        WrongUse: a lead that is no whole um, or entries that do not fit together.
+    """
+    from wedmcam.targets.entries import entered_of
+
+    names = ("copies", "angle", "lead_in", "lead_out", "open_loop")
+    return entered_of(*(params.pop(name) for name in names))
 
 
 def check_source(name: str, from_: str | None) -> None:

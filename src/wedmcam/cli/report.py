@@ -124,6 +124,9 @@ def print_report(
     if compilation.entries is not None and compilation.entries.d:
         pairs = ", ".join(f"{name} = {length}" for name, length in compilation.entries.lines())
         print_text(f"enter      {pairs} at the controller: it offsets the path itself", err=True)
+    if compilation.entries is not None and compilation.entries.turns:
+        pairs = ", ".join(f"{name} {value}" for name, value in compilation.entries.turn_lines())
+        print_text(f"enter      {pairs}, at the controller: it turns the figure itself", err=True)
     if compilation.entries is not None and compilation.entries.gap_um is not None:
         side = "die (inwards)" if v.side == "die" else "part (outwards)"
         gap = f"gap {v.offset_um / 1000:.3f} mm, {side}"

@@ -24,6 +24,7 @@ from wedmcam.machines.write import as_toml
 from wedmcam.machines.write import fingerprint as profile_fingerprint
 from wedmcam.options import Options
 from wedmcam.programs.understanding import understood
+from wedmcam.targets.entries import Entries
 
 
 def understood_of(plan: Plan | None) -> Understanding | None:
@@ -40,12 +41,14 @@ class Files:
         source: its bytes.
         program_name: empty where none is written.
         program: its bytes; None where there is none.
+        entered: what the operator enters beside it.
     """
 
     source_name: str
     source: bytes
     program_name: str
     program: bytes | None
+    entered: Entries | None = None
 
 
 def summary_of(
@@ -113,6 +116,8 @@ def summary_of(
         result["d_um"] = {str(number): um for number, um in options.operator.d}
         if machine.iso.entry_factor == 2:
             result["d_is"] = "diameter"
+    if files.entered is not None and files.entered.turns:
+        result["entered"] = files.entered.as_data()
     if files.program is None or not files.program_name:
         result["output"] = None
     result["ok"] = files.program is not None
@@ -146,6 +151,8 @@ def proof_summary(
         "offset_um": None,
     }
     summary |= figures
+    if files.entered is not None and files.entered.turns:
+        summary["entered"] = files.entered.as_data()
     if not files.source:
         del summary["sha256"], summary["arithmetic"]  # nothing was computed
         summary["ok"] = not has_errors(run.findings)

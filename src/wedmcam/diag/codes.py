@@ -645,6 +645,27 @@ CODES: dict[str, Code] = {
         "Another path would be cut than the one that was proven.",
         "Another format: --to compact; for G41 and G42 a profile with more digits.",
     ),
+    "figure-repeated": Code(
+        "The path is one figure and its copies: the file holds the figure.",
+        "The controller cuts the part only with the copies, the angle and the leads that are "
+        "entered.",
+        "Enter what the report names; `verify --copies --angle --lead-in --lead-out` proves it.",
+    ),
+    "not-repeated": Code(
+        "A path that repeats about a centre is written without copies.",
+        "The file is longer than it could be, and may not fit the memory.",
+        "What the hint says; without it the program is right all the same.",
+    ),
+    "figure-drift": Code(
+        "A figure in rotation format does not close: its copies do not come back to their start.",
+        "What one figure is off grows over the copies by 1 / sin(pi / N); the contour stays open.",
+        "Other headings or lengths; a figure of several (fewer copies); --to compact.",
+    ),
+    "no-leads": Code(
+        "A figure in rotation format is proven without the leads that are entered beside it.",
+        "Where the wire is threaded, and what it cuts on the way, is not proven.",
+        "--lead-in X,Y and --lead-out X,Y, or --certificate with the certificate of the compile.",
+    ),
     "zero-count": Code(
         "The count length J is 0.",
         "Controllers skip such a record in silence or never end it.",

@@ -127,12 +127,24 @@ _KEYS: dict[str, Fits] = {
     "options": lambda v: isinstance(v, dict),
     "sha256": _holds(dict.fromkeys(("input", "output", "profile"), _text)),
 }
+
+
 #: What some say.
+def _entered(entry: tuple[str, Any]) -> bool:
+    """Return whether this is an entry for a figure in rotation format."""
+    name, value = entry
+    if name in ("lead_in_um", "lead_out_um"):
+        pair = isinstance(value, list) and len(value) == 2 and all(map(_number, value))
+        return value is None or pair
+    return name in ("copies", "angle_deg") and _number(value)
+
+
 _MORE: dict[str, Fits] = {
     **dict.fromkeys(("profile_toml", "starts_of", "starts_of_toml", "leads"), _text),
     **dict.fromkeys(
         ("stepped_closure_um", "stepped_max_deviation_um", "stepped_gouge_um"), _figure
     ),
+    "entered": lambda v: isinstance(v, dict) and all(map(_entered, v.items())),
     "d_is": lambda v: v == "diameter",
     "d_um": lambda v: isinstance(v, dict) and all(map(_number, v.values())),
 }

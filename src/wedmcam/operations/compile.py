@@ -128,7 +128,7 @@ def compile_plan(
             run.findings,
             machine,
             issued,
-            Files(name, data, output_name, out),
+            Files(name, data, output_name, out, entries),
             drawn,
             verdict if ok else None,
             known,

@@ -63,8 +63,8 @@ def verify(
         certificate: of an earlier compile; gives options and origin. All that it says is derived
             again and compared.
         options: how the drawing is cut; None for those of ``more``, else of the certificate.
-        **more: ``origin_mm``, ``fit_origin`` and ``shown``, the fields of `Circumstances`; all
-            others are fields of the options in mm, instead of ``options``.
+        **more: ``origin_mm``, ``fit_origin``, ``entered`` and ``shown``, the fields of
+            `Circumstances`; all others are fields of the options in mm, instead of ``options``.
 
     What is proven is the part: another order, other leads, are notes. A program with a certificate
     of a compile is one of ours: order and leads are to be the plan's.
@@ -83,6 +83,8 @@ def verify(
     if here.fit_origin and here.origin_mm is not None:
         raise WrongUse("--origin says where the program starts: there is nothing to fit")
     machine = reader_machine(data, name, format, profile)
+    entered = here.entered or Entries.from_data((certificate or {}).get("entered", {}))
+    entered.check(machine.format, machine.format)
     if options is None:
         options = Options()
     drawing, drawing_name = (None, "") if against is None else bytes_of(against, against_name)
@@ -96,6 +98,7 @@ def verify(
         drawing_name,
         certificate,
         here,
+        entered,
     )
     return _proof_of(case)
 
@@ -109,11 +112,14 @@ class Circumstances:
             else on one of the thread points that are given. Only where none is given, a translation
             is fitted.
         fit_origin: a translation is fitted also where thread points are given.
+        entered: what the operator enters for a figure in rotation format; None for what the
+            certificate says.
         shown: the program is only to be drawn: what it leaves open is assumed, with a warning.
     """
 
     origin_mm: tuple[float, float] | None = None
     fit_origin: bool = False
+    entered: Entries | None = None
     shown: bool = False
 
     @classmethod
@@ -138,6 +144,7 @@ class _Case:
         drawing, drawing_name: what it is compared with; None for nothing.
         certificate: of an earlier compile.
         here: where it starts, and what for it is read.
+        entered: what the operator enters for a figure in rotation format.
     """
 
     data: bytes
@@ -149,6 +156,7 @@ class _Case:
     drawing_name: str
     certificate: dict[str, Any] | None
     here: Circumstances
+    entered: Entries
 
     @property
     def target(self) -> Target:
@@ -157,8 +165,9 @@ class _Case:
 
     @property
     def files(self) -> Files:
-        """Both files, for a summary."""
-        return Files(self.drawing_name, self.drawing or b"", self.name, self.data)
+        """Both files and what is entered, for a summary."""
+        drawing = self.drawing or b""
+        return Files(self.drawing_name, drawing, self.name, self.data, self.entered)
 
 
 @dataclass(slots=True, eq=False)
@@ -167,6 +176,7 @@ class _Evidence:
 
     Attributes:
         program: as decoded; at its place in the drawing once that is known.
+        entries: what the operator enters for it.
         read: findings of the reader.
         drawn, plan: of the drawing.
         verdict: on the program along its plan.
@@ -174,6 +184,7 @@ class _Evidence:
     """
 
     program: Program | None = None
+    entries: Entries | None = None
     read: Sequence[Diagnostic] = ()
     drawn: Drawn | None = None
     plan: Plan | None = None
@@ -226,7 +237,9 @@ def _decode(case: _Case, known: _Evidence, planning: Run, run: Run) -> Program:
     # An outline's program does not say how far beside it the wire runs; the plan does.
     if case.drawing is not None and (target.takes_gap or target.makes_path):
         _plan(case, known, planning, run)
-    entries = replace(target.entered(_stated_entries(options), known.plan), dialect=case.dialect)
+    stated = _stated_entries(options, case.entered)
+    entries = replace(target.entered(stated, known.plan), dialect=case.dialect)
+    known.entries = entries
     run.add("decode", _offsets_of_plan(entries, target, options))
     # What is refused is known too: a picture shows what was read.
     known.program, known.read = target.read(case.data, case.name, entries)
@@ -264,6 +277,9 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
         drawn, plan = _plan(case, known, planning, run)
     else:
         drawn, plan = known.drawn, known.plan
+    followed = plan
+    if known.entries is not None:
+        followed = run("verify", target.on_contour(plan, known.entries))
     origin_mm = case.here.origin_mm
     ours = certificate is not None and proof.is_ours(certificate)
     if certificate is not None:
@@ -279,7 +295,7 @@ def _compare(case: _Case, known: _Evidence, program: Program, planning: Run, run
         ours or plan.others is not None,  # a load is of the program that is compiled
     )
     before = len(run.findings)
-    program, verdict = proof.place_program(program, plan, target, options, placing, run)
+    program, verdict = proof.place_program(program, followed, target, options, placing, run)
     known.program, known.verdict = program, verdict
     if certificate is None:
         return
@@ -342,11 +358,11 @@ def with_images(proven: Proof, drawing: bytes, name: str, options: Options) -> P
     )
 
 
-def _stated_entries(options: Options) -> Entries:
-    """Return what the operator enters, as far as options state it."""
+def _stated_entries(options: Options, entered: Entries) -> Entries:
+    """Return what the operator enters, as far as options and ``entered`` state it."""
     cutting = options.cutting
     outwards = cutting.effective_side is not Side.DIE
-    return Entries(d=options.operator.d, every_um=cutting.offset_um, outwards=outwards)
+    return replace(entered, d=options.operator.d, every_um=cutting.offset_um, outwards=outwards)
 
 
 def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list[Diagnostic]:

@@ -107,6 +107,7 @@ def _facts(compilation: Compilation, feed_um: float | None, wire: str) -> list[t
         compilation.program.origin_um,
     )
     entered = compilation.entries.lines() if compilation.entries else []
+    turned = compilation.entries.turn_lines() if compilation.entries else []
     ways = Counter(row.direction for row in known.rows)
     return [
         ("made of", visible(str(compilation.summary["input"]))),
@@ -119,6 +120,7 @@ def _facts(compilation: Compilation, feed_um: float | None, wire: str) -> list[t
         ("wire, gap", wire),
         ("offset, side", f"{compilation.plan.offsets_text}, {v.side}"),
         *((f"offset {d}, to be entered", um) for d, um in entered),
+        *((f"{name}, to be entered", value) for name, value in turned),
         ("direction", ", ".join(f"{n} {way}" for way, n in ways.items())),
         ("extents", "({:.3f}, {:.3f}) to ({:.3f}, {:.3f}) mm in the drawing".format(
             *(e / 1000 for e in v.extents_um))),

@@ -160,6 +160,13 @@ class Target(Protocol):
         """Return the cutting program that a file means to the controller, with these entries."""
         ...
 
+    def on_contour(self, plan: Plan, entries: Entries) -> tuple[Plan, list[Diagnostic]]:
+        """Return the plan as far as a program with these entries follows it, and what is left out.
+
+        The leads of a format that does not hold them are not run where they are not entered.
+        """
+        ...
+
     def unstated(self, program: Program) -> list[Diagnostic]:
         """Return a note that a program was read without what the operator enters, if it matters."""
         ...
@@ -199,7 +206,7 @@ KINDS: dict[str, str] = {
     "3b": "wedmcam.targets.stated:B3",
     "compact": "wedmcam.targets.stated:Compact",
     "iso": "wedmcam.targets.g41:iso_target",
-    "rotation": "wedmcam.targets.stated:Rotation",
+    "rotation": "wedmcam.targets.rotation:Rotation",
     "compensation": "wedmcam.targets.scaled:Compensation",
     "4b": "wedmcam.targets.scaled:B4",
 }

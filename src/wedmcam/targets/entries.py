@@ -8,9 +8,9 @@ target do not know each other: both are handed the same entries.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag.run import WrongUse
 
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 
 #: Formats of outlines whose arcs the controller scales by a gap.
 GAPPED = ("compensation", "4b")
+#: Most copies of a figure [S].
+MOST_COPIES = 99
+#: Longest line of the ZD-065 on an axis, um: J has 6 digits [S].
+MOST_LEAD_UM = 999_999
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +32,10 @@ class Entries:
     Attributes:
         copies: of a figure in rotation format, 0 to 99 [S].
         angle: degrees from copy to copy, counter-clockwise.
+        lead_in: line before the figure, from the thread point to where it starts, whole um; None
+            where none is entered: the format holds no lead outside the figure that it repeats.
+        lead_out: line behind the last copy, likewise.
+        open_loop: the ZD-065 processes data literally: roundings add up from block to block.
         gap_um: of a compensation or 4B file, whole um; None where it is not stated: what is read
             then is the outline, and `Target.unstated` says so.
         outwards: True for a part (punch), False for a die.
@@ -47,12 +55,26 @@ class Entries:
     diameter: bool = False
     every_um: float | None = None
     dialect: Dialect | None = None
+    lead_in: tuple[int, int] | None = None
+    lead_out: tuple[int, int] | None = None
+    open_loop: bool = False
 
     def __post_init__(self) -> None:
         if bool(self.copies) != bool(self.angle):
             raise WrongUse("--copies and --angle go together")
-        if not 0 <= self.copies <= 99:
-            raise WrongUse(f"--copies {self.copies}: the controller makes 1 to 99")
+        if not 0 <= self.copies <= MOST_COPIES:
+            raise WrongUse(f"--copies {self.copies}: the controller makes 1 to {MOST_COPIES}")
+        for name, way in (("lead-in", self.lead_in), ("lead-out", self.lead_out)):
+            if way is not None and max(abs(v) for v in way) > MOST_LEAD_UM:
+                raise WrongUse(
+                    f"--{name} {_mm(way)}: a line of the controller is up to "
+                    f"{MOST_LEAD_UM / 1000:.3f} mm long on each axis"
+                )
+
+    @property
+    def turns(self) -> bool:
+        """Whether anything is entered for a figure in rotation format."""
+        return bool(self.copies) or self.lead_in is not None or self.lead_out is not None
 
     def check(self, source: str, target: str) -> None:
         """Refuse what neither format takes.
@@ -66,6 +88,15 @@ class Entries:
         """
         if (self.copies or self.angle) and source != "rotation":
             raise WrongUse(f"--copies and --angle turn a figure in rotation format, not {source}")
+        if self.turns and source != "rotation":
+            raise WrongUse(
+                f"--lead-in and --lead-out belong to a figure in rotation format, not to {source}"
+            )
+        if self.open_loop and source not in ("rotation", "compensation"):
+            raise WrongUse(
+                "--open-loop is for the ZD-065's rotation and compensation formats, not for "
+                f"{source}"
+            )
         if self.d and source != "iso":
             raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
         if not self.gap_um:
@@ -112,3 +143,86 @@ class Entries:
         """
         what = " (diameter)" if self.diameter else ""
         return [(f"{self.letter}{number}", f"{um / 1000:.4f} mm{what}") for number, um in self.d]
+
+    def turn_lines(self) -> list[tuple[str, str]]:
+        """Return what is entered for a figure in rotation format, as people enter it.
+
+        >>> Entries(35, 10.0, lead_in=(0, 3100)).turn_lines()
+        [('copies', '35'), ('angle', '10 deg'), ('lead-in', 'X 0.000 Y 3.100 mm')]
+        """
+        rows = [("copies", f"{self.copies}"), ("angle", f"{self.angle:.8g} deg")]
+        named = (("lead-in", self.lead_in), ("lead-out", self.lead_out))
+        rows += [(name, _mm(way)) for name, way in named if way is not None]
+        return rows if self.turns else []
+
+    def as_data(self) -> dict[str, Any]:
+        """Return what is entered for a figure in rotation format, as a certificate holds it.
+
+        >>> Entries(35, 10.0, lead_in=(0, 3100)).as_data()
+        {'copies': 35, 'angle_deg': 10.0, 'lead_in_um': [0, 3100], 'lead_out_um': None}
+        """
+        if not self.turns:
+            return {}
+        ways = {
+            f"{name}_um": None if way is None else list(way)
+            for name, way in (("lead_in", self.lead_in), ("lead_out", self.lead_out))
+        }
+        return {"copies": self.copies, "angle_deg": self.angle, **ways}
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Entries:
+        """Return entries of a certificate; the inverse of `as_data`.
+
+        Raises:
+            WrongUse: they are none.
+        """
+        ways = (data.get("lead_in_um"), data.get("lead_out_um"))
+        whole = [None if way is None else (int(way[0]), int(way[1])) for way in ways]
+        return cls(
+            int(data.get("copies", 0)),
+            float(data.get("angle_deg", 0.0)),
+            lead_in=whole[0],
+            lead_out=whole[1],
+        )
+
+
+def entered_of(
+    copies: int,
+    angle: float,
+    lead_in: tuple[float, float] | None,
+    lead_out: tuple[float, float] | None,
+    open_loop: bool = False,
+) -> Entries:
+    """Return the entries for a figure in rotation format, as options state them, um.
+
+    Raises:
+        WrongUse: a lead that is no whole um, or entries that do not fit together.
+    """
+    return Entries(
+        copies,
+        angle,
+        lead_in=whole_um(lead_in, "--lead-in"),
+        lead_out=whole_um(lead_out, "--lead-out"),
+        open_loop=open_loop,
+    )
+
+
+def whole_um(way: tuple[float, float] | None, option: str) -> tuple[int, int] | None:
+    """Return a lead of whole um.
+
+    Raises:
+        WrongUse: it is none.
+
+    >>> whole_um((0.0, -3100.0), "--lead-in")
+    (0, -3100)
+    """
+    if way is None:
+        return None
+    x, y = round(way[0]), round(way[1])
+    if max(abs(x - way[0]), abs(y - way[1])) > 1e-6:
+        raise WrongUse(f"{option} is whole um, not {way[0] / 1000:g},{way[1] / 1000:g} mm")
+    return x, y
+
+
+def _mm(way: tuple[int, int]) -> str:
+    return f"X {way[0] / 1000:.3f} Y {way[1] / 1000:.3f} mm"

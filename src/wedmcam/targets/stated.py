@@ -166,6 +166,10 @@ class Stated:
         """See `Target`."""
         return self._decoded(data, file)
 
+    def on_contour(self, plan: Plan, entries: Entries) -> tuple[Plan, list[Diagnostic]]:
+        """Leads are stated."""
+        return plan, []
+
     def unstated(self, program: Program) -> list[Diagnostic]:
         """Everything is stated."""
         return []
@@ -330,27 +334,3 @@ class Compact(Memory):
         from wedmcam.formats import compact
 
         return compact.LINE_BYTES, compact.ARC_BYTES
-
-
-class Rotation(Memory):
-    """The ZD-065's rotation format: a figure that the controller copies by an angle."""
-
-    @property
-    def block_bytes(self) -> tuple[int, int]:
-        """See `formats.rotation`."""
-        from wedmcam.formats import rotation
-
-        return rotation.LINE_BYTES, rotation.ARC_BYTES
-
-    @property
-    def own_path(self) -> Machine:
-        """The ZD-065's cutting format."""
-        from wedmcam.machines import default
-
-        return default("compact")
-
-    def read(
-        self, data: bytes, file: str, entries: Entries
-    ) -> tuple[Program, Sequence[Diagnostic]]:
-        """See `Target`."""
-        return self._decoded(data, file, copies=entries.copies, step=entries.angle)

@@ -1,35 +1,39 @@
-"""Write the rotation format of the ZD-065.
+"""Write the rotation format of the ZD-065: one figure of polar blocks.
 
-The controller turns the polar blocks back into whole um. So each block is written with the angle
-and the R for which its data processing gives exactly the block that was proven: R is the rounded
-distance, and the rounded circle through it misses a whole point by less than half a um. Where the
-8 digits fall badly the neighbours are tried; where none fits the block is refused.
+The controller computes each vertex from the figure and goes to the um next to it
+(`controllers.zd065.rotation`). So what is aimed at are vertices, not blocks: those of the path
+where a figure is to be turned, else those that the program that is written really steps on.
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
+from wedmcam.backends.zd065.figure import Complex, state
 from wedmcam.backends.zd065.memory import Memory
-from wedmcam.controllers.zd065.data import POLAR
-from wedmcam.controllers.zd065.rotation import rotate
+from wedmcam.controllers import Motion
+from wedmcam.controllers.zd065.data import POLAR, WAY, decimals, whole
 from wedmcam.diag import Diagnostic, Severity, has_errors
-from wedmcam.formats import lines, rotation
+from wedmcam.formats import rotation
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-#: How many units of the last digit of an angle, and um of R, are tried.
-DIGITS, RADII = 12, (0, 1, -1)
+#: A path that comes back to a place is stated to come back to it within this, um: the controller
+#: then steps onto the same um.
+COMES_BACK_UM = 0.3
 
 
 def encode(
     program: Program, machine: Machine, positions: NDArray[np.int64] | None = None
 ) -> tuple[bytes, list[Diagnostic]]:
-    """Return the rotation data of a program, and what was found.
+    """Return the rotation data of a program, to be entered with no copies, and what was found.
 
     Args:
         program: blocks as for the cutting format.
@@ -43,114 +47,28 @@ def encode(
     findings = [d for d in findings if d.code != "over-memory"]
     if has_errors(findings):
         return b"", findings
-    blocks = program.blocks
-    kind = blocks["kind"]
-    arc = kind == Kind.ARC
-    straight = (kind == Kind.LINE) | (kind == Kind.MOVE)
-    x, y, count = (blocks[k].astype(np.int64) for k in ("x", "y", "count"))
-    lx, ly, _ = lines.full(x, y, blocks["axis"], count)
-    x, y = np.where(straight, lx, x), np.where(straight, ly, y)
+    motion = machine.own_stepping.run(program.blocks)
+    figure, drifts = _figure_of(program.blocks, motion)
     checks = Checks(program)
-    length = np.hypot(x, y)
     checks.tell(
-        Severity.ERROR,
-        "over-limit",
-        straight & (np.floor(length + 0.5) > 999_999),
-        "block {block}: the line is {length_mm:.3f} mm long; the format holds 999.999 mm",
-        lambda i: {"length_mm": float(length[i]) / 1000},
-    )
-    figure, reached = polar(blocks, x, y)
-    checks.tell(
-        Severity.ERROR,
-        "not-reachable",
-        (arc | straight) & ~reached,
-        "block {block}: no angle of 8 digits and whole R give this block",
-        hint="--to compact holds it as it is",
+        Severity.WARNING,
+        "figure-drift",
+        drifts > COMES_BACK_UM,
+        "block {block} comes back to a place where the path was before, and whole lengths and "
+        "angles of 8 digits lead {drift_um:.2f} um beside it",
+        lambda i: {"drift_um": float(drifts[i])},
+        hint="--to compact holds the path as it is",
     )
     findings += checks.findings
-    if checks.failed:
-        return b"", findings
-    memory = _memory_of(blocks, figure, x, y)
+    memory = memory_of(figure)
     return memory.data.tobytes(), [*findings, *memory.too_large(machine)]
 
 
-def polar(blocks: NDArray[np.void], x: Ints, y: Ints) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
-    """Return polar blocks (dtype `POLAR`) that the controller turns into these, and which do.
-
-    Args:
-        blocks: dtype `BLOCK`.
-        x: um; lines in full.
-        y: likewise.
-    """
-    arc = blocks["kind"] == Kind.ARC
-    moving = arc | (blocks["kind"] == Kind.LINE) | (blocks["kind"] == Kind.MOVE)
-    figure = np.zeros(len(blocks), dtype=POLAR)
-    figure["kind"], figure["turn"] = blocks["kind"], np.where(arc, blocks["turn"], 0)
-    exact = np.degrees(np.arctan2(y, x)) % 360.0
-    size = np.floor(np.hypot(x, y) + 0.5).astype(np.int64)
-    done = ~moving
-    shifts = sorted(range(-DIGITS, DIGITS + 1), key=abs)
-    for radius in RADII:
-        for digits in shifts:
-            left = np.flatnonzero(~done)
-            if not len(left):
-                return figure, np.ones(len(blocks), dtype=bool)
-            figure["start"][left] = _nudge(exact[left], digits)
-            figure["size"][left] = np.maximum(size[left] + radius, 1)
-            done[left] = _find_sweeps(figure, blocks, left, x, y)
-    return figure, done
-
-
-def _nudge(degrees: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
-    """Return the angles rounded to 8 digits, some units of the last digit away, 0 to 360."""
-    exponent, significand = rotation.angle_fields(degrees)
-    moved = np.maximum(significand + digits, 0)
-    value = rotation.angle_value(exponent, moved)
-    exponent, significand = rotation.angle_fields(np.where(value >= 360, value - 360, value))
-    return rotation.angle_value(exponent, significand)
-
-
-def _find_sweeps(
-    figure: NDArray[np.void], blocks: NDArray[np.void], rows: Ints, x: Ints, y: Ints
-) -> NDArray[np.bool_]:
-    """Find the subtended angles of ``rows`` in ``figure``; return which rows come out exactly."""
-    count = blocks["count"][rows]
-    arc = blocks["kind"][rows] == Kind.ARC
-    good = np.zeros(len(rows), dtype=bool)
-    for part in (0.0, 0.2, -0.2, 0.4, -0.4):
-        todo = np.flatnonzero(~good & (arc | (part == 0.0)))
-        if not len(todo):
-            break
-        of = rows[todo]
-        sweep = _sweep(figure["start"][of], figure["size"][of], figure["turn"][of],
-                       count[todo] + part)  # fmt: skip
-        exponent, significand = rotation.angle_fields(np.clip(sweep, 0.0, 999.0))
-        sweep = rotation.angle_value(exponent, significand)
-        figure["sweep"][of] = np.where(arc[todo], sweep, 0.0)
-        path = rotate(figure[of])
-        same = (path["x"] == x[of]) & (path["y"] == y[of])
-        good[todo] = same & (~arc[todo] | (path["count"] == count[todo]))
-    return good
-
-
-def _sweep(
-    start: NDArray[np.float64],
-    radius: Ints,
-    turn: NDArray[np.int8],
-    count: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return the angle, degrees, over which an arc counts J on the inscribed square."""
-    root = np.sqrt(2.0)
-    n = np.floor(start / 90.0 + 0.5)
-    c = root * n + np.sin(np.radians(start - 90.0 * n)) + turn * count / np.maximum(radius, 1)
-    m = np.floor(c / root + 0.5)
-    end = 90.0 * m + np.degrees(np.arcsin(np.clip(c - root * m, -1.0, 1.0)))
-    return np.asarray(np.abs(end - start))
-
-
-def _memory_of(blocks: NDArray[np.void], figure: NDArray[np.void], x: Ints, y: Ints) -> Memory:
-    """Return the data of blocks whose angles and sizes are a figure's."""
-    memory = Memory(blocks["kind"], blocks["turn"], x, y, rotation.LENGTH)
+def memory_of(figure: NDArray[np.void]) -> Memory:
+    """Return the data of a figure (dtype `POLAR`), its end byte included."""
+    angle, size = decimals(figure["start"]), decimals(figure["size"])
+    x, y = whole(size * angle.cos(degrees=True)), whole(size * angle.sin(degrees=True))
+    memory = Memory(figure["kind"], figure["turn"], x, y, rotation.LENGTH)
     arc, straight = memory.arc, memory.straight
     exponent, significand = rotation.angle_fields(figure["start"])
     memory.put(arc | straight, 1, 1, exponent)
@@ -161,3 +79,75 @@ def _memory_of(blocks: NDArray[np.void], figure: NDArray[np.void], x: Ints, y: I
     memory.put(arc, 10, 1, exponent)
     memory.put(arc, 11, 4, significand)
     return memory
+
+
+def _figure_of(blocks: NDArray[np.void], motion: Motion) -> tuple[NDArray[np.void], Floats]:
+    """Return polar blocks (dtype `POLAR`) of cutting blocks, and how far each misses its place.
+
+    The path is taken in parts between places that it comes back to (a thread point, the start of
+    a contour): a part that comes back has to close.
+    """
+    drifts = np.zeros(len(blocks))
+    moving = np.flatnonzero(motion.steps > 0)
+    path, ends = _path_of(blocks, motion, moving)
+    places, place = np.unique(ends, return_inverse=True)
+    visited = np.concatenate([[True], ends[1:] != ends[:-1]])
+    visits = np.bincount(place[visited], minlength=len(places))
+    nodes = np.flatnonzero(visited & (visits[place] > 1))
+    borders = sorted({0, *nodes.tolist(), len(path)})
+    stated = {int(place[0]): 0j}
+    at = 0j
+    rows, numbers = [], []
+    for first, last in pairwise(borders):
+        origin, node = complex(ends[first]), int(place[last])
+        goal = stated.get(node, complex(ends[last])) - origin
+        part = path[first:last].copy()
+        part["x"] -= origin.real
+        part["y"] -= origin.imag
+        part["x"][-1], part["y"][-1] = goal.real, goal.imag
+        made = state(part, begin=at - origin)
+        at = origin + (complex(made.ends[-1]) if len(made.ends) else at - origin)
+        if node in stated:
+            drifts[moving[last - 1]] = abs(at - stated[node])
+        stated.setdefault(node, at)
+        rows.append(made.figure)
+        numbers.append(moving[first + made.of])
+    controls = np.flatnonzero(blocks["kind"] > Kind.MOVE)
+    still = np.zeros(len(controls), dtype=POLAR)
+    still["kind"] = blocks["kind"][controls]
+    order = np.argsort(np.concatenate([*numbers, controls]), kind="stable")
+    return np.concatenate([*rows, still])[order], drifts
+
+
+def _path_of(
+    blocks: NDArray[np.void], motion: Motion, moving: Ints
+) -> tuple[NDArray[np.void], Complex]:
+    """Return the path that blocks step (dtype `WAY`), and its vertices, the start first."""
+    b = blocks[moving]
+    vertices = np.zeros(len(moving) + 1, dtype=np.complex128)
+    vertices[1:] = np.cumsum(motion.dx[moving] + 1j * motion.dy[moving])
+    arc, turn = b["kind"] == Kind.ARC, b["turn"].astype(np.float64)
+    begin = b["x"] + 1j * b["y"]
+    end = begin + np.diff(vertices)
+    path = np.zeros(len(b), dtype=WAY)
+    path["kind"], path["turn"] = b["kind"], np.where(arc, b["turn"], 0)
+    path["x"], path["y"] = vertices[1:].real, vertices[1:].imag
+    path["radius"] = np.where(arc, abs(begin), 0.0)
+    start = np.degrees(np.angle(begin)) % 360.0
+    exact = np.mod((np.degrees(np.angle(end)) - start) * turn, 360.0)
+    # A turn and some steps is no speck: J tells which of the two.
+    about = _sweep(start, np.abs(begin), turn, b["count"].astype(np.float64))
+    sweep = exact + 360.0 * np.rint((about - exact) / 360.0)
+    sweep = np.where(np.diff(vertices) == 0, 360.0, np.maximum(sweep, 0.0))
+    path["sweep"], path["start"] = np.where(arc, sweep, 0.0), np.where(arc, start, 0.0)
+    return path, vertices
+
+
+def _sweep(start: Floats, radius: Floats, turn: Floats, count: Floats) -> Floats:
+    """Return the angle, degrees, over which an arc counts J on the inscribed square."""
+    root = np.sqrt(2.0)
+    n = np.floor(start / 90.0 + 0.5)
+    c = root * n + np.sin(np.radians(start - 90.0 * n)) + turn * count / np.maximum(radius, 1)
+    m = np.floor(c / root + 0.5)
+    end = 90.0 * m + np.degrees(np.arcsin(np.clip(c - root * m, -1.0, 1.0)))
+    return np.asarray(np.abs(end - start))

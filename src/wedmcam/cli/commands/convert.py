@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from wedmcam.cli import options as ask
-from wedmcam.cli.lengths import DEGREES, length
+from wedmcam.cli.lengths import length
 from wedmcam.cli.settings import ReadsPrograms
 
 
@@ -17,13 +17,7 @@ from wedmcam.cli.settings import ReadsPrograms
 @click.option("--to", metavar="FORMAT", help="Of the output; by default from its name.")
 @click.option("--format", "format_", metavar="FORMAT", help="Of PROGRAM; else by name, content.")
 @click.option("--profile", metavar="NAME|FILE", help="Profile of the output.")
-@click.option(
-    "--copies",
-    type=int,
-    default=0,
-    help="Of a figure in rotation format, 1 to 99.",
-)
-@click.option("--angle", type=DEGREES, default=0.0, help="Degrees from copy to copy.")
+@ask.turning_options
 @click.option("--gap", "gap_um", type=length("gap_um"), help="Of a compensation or 4B file.")
 @click.option(
     "--side",

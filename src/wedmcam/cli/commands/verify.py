@@ -26,6 +26,7 @@ from wedmcam.cli.settings import Configured
     is_flag=True,
     help="Find where it starts by fitting, also where thread points are given.",
 )
+@ask.turning_options
 @click.option(
     "--certificate",
     metavar="FILE.json",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,10 @@ from wedmcam.formats.names import FORMAT_OF_SUFFIX
 from wedmcam.judge.certificate import finding_data
 from wedmcam.machines import Machine
 from wedmcam.operations.convert import OUTPUTS, Conversion, convert, output_of
-from wedmcam.targets import Entries
+from wedmcam.targets.entries import Entries, entered_of
+
+#: Options of a figure in rotation format.
+TURNING = ("copies", "angle", "lead_in", "lead_out", "open_loop")
 
 
 def run_convert(
@@ -64,9 +68,9 @@ def run_convert(
 
 def _entries(params: dict[str, Any]) -> Entries:
     """Return what the operator enters beside the programs."""
-    return Entries(
-        params["copies"], params["angle"], params["gap_um"], params["side"] == "part", params["d"]
-    )
+    turned = entered_of(*(params[name] for name in TURNING))
+    outwards = params["side"] == "part"
+    return replace(turned, gap_um=params["gap_um"], outwards=outwards, d=params["d"])
 
 
 def _target(

@@ -43,6 +43,7 @@ def run_verify(
     if issued is not None:
         against = against if against is not None else _drawing_of(issued, str(certificate))
         params = ask.as_issued(params, issued, given)
+    entered = ask.entered_in(params)
     options = ask.options_of(params)
     named = ask.profile_in(params, given)
     machine = ask.machine_of(named, format_) if named else None
@@ -63,6 +64,7 @@ def run_verify(
             against_name=against,
             origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
             fit_origin=fit_origin,
+            entered=entered if entered.turns or entered.open_loop else None,
             certificate=issued,
             options=options,
         )

@@ -36,6 +36,21 @@ OUTLINE = np.dtype(
     ]
 )
 
+#: One row per motion of a path that starts at (0, 0), before it is stated in any format. x, y: its
+#: end; radius of an arc, um. sweep: of an arc, degrees, up to 360. start: polar angle of the start
+#: of a full circle about its centre, degrees: its end does not tell where it lies.
+WAY = np.dtype(
+    [
+        ("kind", "u1"),
+        ("turn", "i1"),
+        ("x", "f8"),
+        ("y", "f8"),
+        ("radius", "f8"),
+        ("sweep", "f8"),
+        ("start", "f8"),
+    ]
+)
+
 
 def decimals(values: ArrayLike) -> Decimal8Array:
     """Return values rounded to 8 digits."""
@@ -61,3 +76,19 @@ def cutting_blocks(
     out["axis"] = np.where(arc, Axis.SQUARE, np.where(line & (ax <= ay), Axis.Y, Axis.X))
     out["count"] = np.where(arc, arc_count, np.where(line, np.maximum(ax, ay), 0))
     return out
+
+
+def displacements(figure: NDArray[np.void]) -> NDArray[np.complex128]:
+    """Return the way that each polar block (dtype `POLAR`) makes, um, exactly as stated.
+
+    >>> row = np.zeros(1, POLAR)
+    >>> row[0] = (Kind.ARC, 1, 0.0, 1000, 90.0)
+    >>> displacements(row).round(6).tolist()
+    [(-1000+1000j)]
+    """
+    arc = figure["kind"] == Kind.ARC
+    half = np.radians(figure["sweep"]) / 2
+    turn = figure["turn"].astype(np.float64)
+    heading = np.radians(figure["start"]) + np.where(arc, turn * (half + np.pi / 2), 0.0)
+    length = np.where(arc, 2 * figure["size"] * np.sin(half), figure["size"])
+    return np.asarray(length * np.exp(1j * heading))

@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controllers.zd065.data import POLAR
+from wedmcam.controllers.zd065.data import POLAR, cutting_blocks, displacements
+from wedmcam.controllers.zd065.loop import EXACT, follow
 from wedmcam.controllers.zd065.rotation import rotate
-from wedmcam.diag import Diagnostic, Severity
-from wedmcam.formats import rotation
+from wedmcam.diag import Diagnostic, FileSpan, Severity, warning
+from wedmcam.formats import compact, rotation
 from wedmcam.formats.lengths import mm_of
 from wedmcam.frontends.zd065.memory import Stream
 from wedmcam.ir.program import Kind, Program
@@ -20,6 +21,12 @@ from wedmcam.machines import Machine
 
 #: Arcs of a larger radius are refused, um.
 MOST_RADIUS_UM = 10_000_000
+#: Largest J of a block, um [S].
+MOST_COUNT = 999_999
+#: Copies that come this near to a whole number of turns are meant to come round, degrees.
+ROUND_DEG = 0.5
+#: And then end within this of where they began, um: the rest is rounding.
+CLOSES_UM = 0.3
 
 
 def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], list[Diagnostic]]:
@@ -35,7 +42,14 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
 
 
 def decode(
-    data: bytes, machine: Machine, file: str, copies: int = 0, step: float = 0.0
+    data: bytes,
+    machine: Machine,
+    file: str,
+    copies: int = 0,
+    step: float = 0.0,
+    lead_in: tuple[int, int] | None = None,
+    lead_out: tuple[int, int] | None = None,
+    open_loop: bool = False,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that the controller makes of rotation data.
 
@@ -45,20 +59,130 @@ def decode(
         file: name for the spans.
         copies: of the figure, 0 to 99 [S].
         step: degrees between copies.
+        lead_in: line that the operator enters before the figure, um; None for none.
+        lead_out: likewise, behind the last copy.
+        open_loop: each block by itself, literally.
     """
     stream, figure = _fields(data, file, machine)
     stream.tell_digits()
     _check(stream, figure)
-    blocks = rotate(_safe(figure, stream))
-    x, y = blocks["x"], blocks["y"]
-    stream.tell_blocks(x, y, blocks["count"])
+    stated = rotate(_safe(figure, stream))
+    x, y, count = stated["x"], stated["y"], stated["count"]
+    # An arc over the limit of J is one that the closed loop cuts in pieces.
+    stream.tell_blocks(x, y, count if open_loop else np.minimum(count, MOST_COUNT))
     stream.tell_quadrants(x, y)
-    program, findings = stream.finish(blocks)
-    if copies and stream.good.any():
-        kept = figure[stream.good]
-        tail = program.blocks[len(kept) :]
-        program = Program(np.concatenate([rotate(kept, copies, step), tail]))
+    literal, findings = stream.finish(stated)
+    kept = figure[stream.good]
+    blocks = _process(kept, copies, step, open_loop)
+    # Each block where its figure states it; the end byte, the leads, where there is none.
+    at = blocks["source"] % max(len(kept), 1)
+    blocks["source"] = -1
+    spans = [*(literal.spans[i] for i in at.tolist()), *literal.spans[len(kept) :]]
+    program = Program(np.concatenate([blocks, literal.blocks[len(kept) :]]), spans=spans)
+    program = with_leads(program, lead_in, lead_out)
+    if copies:
+        findings += [*_drift(kept, copies, step, file), *_too_large(program, machine, file)]
     return program, findings
+
+
+def _too_large(program: Program, machine: Machine, file: str) -> list[Diagnostic]:
+    """Return a warning where the memory does not hold what the processing makes of a figure."""
+    kind, most = program.blocks["kind"], machine.limits.memory_bytes
+    sizes = np.select(
+        [kind == Kind.ARC, kind <= Kind.MOVE, kind == Kind.STOP],
+        [compact.ARC_BYTES, compact.LINE_BYTES, 0],
+        1,
+    )
+    made = int(sizes.sum()) + 1
+    if not most or made <= most:
+        return []
+    return [
+        warning(
+            "over-memory",
+            "the figure and its copies are {bytes} bytes of cutting data; the memory of {machine} "
+            "holds {most}: {loads} loads",
+            FileSpan(file),
+            hint="fewer copies at a time, each load from where the one before ended",
+            bytes=made,
+            machine=machine.name,
+            most=most,
+            loads=compact.loads(sizes, most),
+        )
+    ]
+
+
+def _process(
+    figure: NDArray[np.void], copies: int, step: float, open_loop: bool
+) -> NDArray[np.void]:
+    """Return the cutting blocks of a figure and its copies; ``source`` counts through all rows."""
+    if open_loop:
+        blocks = rotate(figure, copies, step)
+        blocks["source"] = np.arange(len(blocks))
+        return blocks
+    rows = np.tile(figure, copies + 1)
+    rows["start"] = (rows["start"] + step * np.repeat(np.arange(copies + 1), len(figure))) % 360.0
+    ends = np.cumsum(displacements(rows))
+    path = np.zeros(len(rows), dtype=EXACT)
+    for name in ("kind", "turn", "sweep", "start"):
+        path[name] = rows[name]
+    path["radius"], path["x"], path["y"] = rows["size"], ends.real, ends.imag
+    return follow(path).blocks.copy()
+
+
+def _drift(figure: NDArray[np.void], copies: int, step: float, file: str) -> list[Diagnostic]:
+    """Return a warning where copies come round, and do not come back to where they began.
+
+    The machine makes each copy as stated; what one figure is off grows to that by 1 / sin(pi / N).
+    """
+    figures = copies + 1
+    over = (figures * step + 180.0) % 360.0 - 180.0
+    if abs(over) > ROUND_DEG:
+        return []
+    way = displacements(figure).sum()
+    turns = np.exp(1j * np.radians(step * np.arange(figures)))
+    drift = float(abs(way * turns.sum()))
+    if drift <= CLOSES_UM:
+        return []
+    return [
+        warning(
+            "figure-drift",
+            "{figures} figures of {angle_deg:.8g} degrees come round, and end {drift_um:.2f} um "
+            "from where they begin",
+            FileSpan(file),
+            hint="enter 360 degrees / {figures} in full",
+            figures=figures,
+            angle_deg=step,
+            drift_um=drift,
+        )
+    ]
+
+
+def with_leads(
+    program: Program, lead_in: tuple[int, int] | None, lead_out: tuple[int, int] | None
+) -> Program:
+    """Return a program with the lines that the operator enters before and behind it."""
+    if (lead_in is None and lead_out is None) or not len(program.spans):
+        return program
+    blocks = program.blocks
+    ended = len(blocks) if not len(blocks) or blocks["kind"][-1] != Kind.STOP else len(blocks) - 1
+    parts = [_lead(lead_in), blocks[:ended], _lead(lead_out), blocks[ended:]]
+    first, last = program.spans[0], program.spans[-1]
+    spans = [
+        *[first] * len(parts[0]),
+        *program.spans[:ended],
+        *[last] * len(parts[2]),
+        *program.spans[ended:],
+    ]
+    return Program(np.concatenate(parts), program.origin, program.sources, spans)
+
+
+def _lead(way: tuple[int, int] | None) -> NDArray[np.void]:
+    """Return a cutting block of a line; none where it has no length."""
+    rows = [way] if way is not None and way != (0, 0) else []
+    xy = np.array(rows, dtype=np.int64).reshape(-1, 2)
+    kind = np.full(len(xy), Kind.LINE, dtype=np.uint8)
+    none = np.zeros(len(xy), dtype=np.int64)
+    return np.asarray(cutting_blocks(kind, none, xy[:, 0], xy[:, 1], none))
 
 
 def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:

@@ -42,6 +42,12 @@ from wedmcam.targets import Entries
     default="part",
     help="Of such a file: part outwards, die inwards.",
 )
+@click.option(
+    "--corner",
+    "corner_um",
+    type=length("corner_um"),
+    help="Radius of the arcs at corners of a compensation file; the gap where it is left out.",
+)
 @ask.d_option
 @ask.reading_options
 @ask.feed_option
@@ -59,6 +65,7 @@ def convert_command(
     angle: float,
     gap_um: float | None,
     side: str,
+    corner_um: float | None,
     d: tuple[tuple[int, float], ...],
     feed_um: float | None,
     json_: bool,
@@ -92,7 +99,7 @@ def convert_command(
             format=format_,
             name=name,
             strict=strict,
-            entered=Entries(copies, angle, gap_um, side == "part", d),
+            entered=Entries(copies, angle, gap_um, side == "part", corner_um, d),
             feed_um=feed_um,
             **ask.answers_of(params),
         )

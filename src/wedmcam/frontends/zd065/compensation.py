@@ -36,7 +36,12 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
 
 
 def decode(
-    data: bytes, machine: Machine, file: str, gap_um: float = 0, outwards: bool = True
+    data: bytes,
+    machine: Machine,
+    file: str,
+    gap_um: float = 0,
+    outwards: bool = True,
+    corner_um: float | None = None,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that the controller makes of compensation data.
 
@@ -46,6 +51,7 @@ def decode(
         file: name for the spans.
         gap_um: whole um, 0 to 7999 [S].
         outwards: True for a punch, False for a die.
+        corner_um: radius of the transition arcs, um; None for that of the gap.
 
     Refused where R - gap is not above 0 and at joints that are not tangent; the first and the last
     line between two controls may be leads and are not asked [R].

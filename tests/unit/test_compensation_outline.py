@@ -105,7 +105,8 @@ def test_one_file_makes_punch_and_die():
         rim = parts.polygon(path, 0.01).exterior
         origin = np.array(made.plan.cuts[0].thread)
         near = shapely.distance(shapely.points(ends + origin), rim)
-        assert near.max() <= 1.6
+        assert len(near[near < 500]) >= len(path.vertices)  # all but the ends of the lead
+        assert near[near < 500].max() <= 1.6
 
 
 def test_refusals():
@@ -144,22 +145,20 @@ def test_the_command_line(tmp_path):
     status, said = run("verify", zdc, "--gap", "0.08", "--corner", "0.1", "--against", dxf)
     assert status == 0, said
     assert run("verify", zdc, "--gap", "0.1")[0] == 0
-    assert run("verify", zdc, "--gap", "0.1", "--corner", "0.05")[0] == 2
+    assert run("verify", zdc, "--gap", "0.1", "--corner", "0.05")[0] == 1
     status, said = run("convert", zdc, "-o", zd, "--gap", "0.08", "--corner", "0.1")
     assert status == 0, said
     status, said = run(
         "verify", zd, "--offset", "0.08", "--corner", "0.1", "--corners", "paper", "--against", dxf
     )
     assert status == 0, said
-    status, said = run("convert", zd, "-o", zdc, "--gap", "0.08", "--corner", "0.1")
-    assert status == 2
-    assert "--corner" in said
+    assert run("convert", zd, "-o", zdc, "--gap", "0.08")[0] == 1
 
 
 def test_a_path_with_corners_is_no_outline_for_a_gap():
     path = compiled(ell, "compact", paper=False)
     made = convert(path.data, to="compensation", format="compact", entered=Entries(gap_um=100))
     assert not made.ok
-    assert [d.code for d in made.findings] == ["not-tangent"]
+    assert {d.code for d in made.findings} == {"not-in-format"}
     as_it_is = convert(path.data, to="compensation", format="compact", entered=Entries(gap_um=0))
     assert as_it_is.ok

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag import Diagnostic, Severity, error, has_errors, note
 from wedmcam.formats import compensation as rows
@@ -20,6 +20,10 @@ from wedmcam.targets import gap
 from wedmcam.targets.entries import Entries
 from wedmcam.targets.scaled import Scaled
 from wedmcam.targets.stated import Memory
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Shift = tuple[float, float, float]
 
@@ -92,9 +96,7 @@ class Compensation(Scaled, Memory):
         if plan is not None:
             return self.entries(plan)
         made = self._entries(entries.every_um or 0.0, entries.outwards)
-        return Entries(
-            gap_um=made.gap_um, outwards=made.outwards, corner_um=entries.corner_um
-        )
+        return Entries(gap_um=made.gap_um, outwards=made.outwards, corner_um=entries.corner_um)
 
     def write(
         self,
@@ -137,6 +139,30 @@ class Compensation(Scaled, Memory):
             outline, outwards=entries.outwards, grown=gap.arc_growth(stated, outline)
         )
         return data, [*findings, *more]
+
+    def write_carried(
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
+    ) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `Target`; an outline stays one, and a path is one with a gap of 0 alone.
+
+        A path has lost the corners of its outline, and on the whole um of a path no outline lies
+        for which the machine makes that path again within 1 um.
+        """
+        if entries.gap_um and senses is None:
+            refusal = error(
+                "not-in-format",
+                "the compensation format holds outlines, and the program has only the path of the "
+                "wire, {gap_mm:.3f} mm beside one",
+                hint="compile the drawing to .zdc; --gap 0 states the path itself, --to compact "
+                "too",
+                gap_mm=entries.gap_um / 1000,
+            )
+            return None, [refusal]
+        return super().write_carried(program, entries, senses, feed_um)
 
     def _settled(self, plan: Plan, number: int, entries: Entries) -> Shift:
         """Return by how much an outline is moved so that the wire beside it strays nowhere.

@@ -31,8 +31,8 @@ class Entries:
         gap_um: of a compensation or 4B file, whole um; None where it is not stated: what is read
             then is the outline, and `Target.unstated` says so.
         outwards: True for a part (punch), False for a die.
-        corner_um: of a compensation file: radius of the arcs at corners of the outline, um, at least
-            the gap; None for the gap.
+        corner_um: of a compensation file: radius of the arcs at corners of the outline, um, at
+            least the gap; None for the gap.
         d: numbers and entries of the table of a controller that offsets an ISO program, um.
         letter: of those numbers, ``D`` or ``H``.
         diameter: an entry is twice the offset.
@@ -73,8 +73,8 @@ class Entries:
             raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
         if self.corner_um is not None and (source != "compensation" or not self.gap_um):
             raise WrongUse(
-                "--corner is the radius of the arcs at corners of a compensation file that is read, "
-                "and goes with its --gap"
+                "--corner is the radius of the arcs at corners of a compensation file that is "
+                "read, and goes with its --gap"
             )
         if not self.gap_um:
             return

@@ -16,7 +16,6 @@ from wedmcam.diag import Diagnostic, Place, Severity, has_errors, note
 from wedmcam.diag.run import WrongUse
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Kind, Program
-from wedmcam.machines import Machine
 from wedmcam.targets import gap
 from wedmcam.targets.entries import Entries
 from wedmcam.targets.stated import KIN_3B, Stated

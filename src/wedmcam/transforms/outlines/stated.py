@@ -113,8 +113,8 @@ def _on_outline(cut: Cut) -> Cut | Diagnostic:
             return _refusal(
                 cut,
                 "compensation-place",
-                "the contour that is threaded at {thread}: its pause (--stop) is at a corner of the "
-                "outline, and the controller has no block inside the arc there",
+                "the contour that is threaded at {thread}: its pause (--stop) is at a corner of "
+                "the outline, and the controller has no block inside the arc there",
                 "another length of --stop",
             )
         stop = total - at
@@ -149,5 +149,3 @@ def _refusal(cut: Cut, code: str, message: str, hint: str) -> Diagnostic:
     return error(
         code, message, cut.path.source_of(0), points_mm=(thread,), hint=hint, thread=thread
     )
-
-

@@ -521,6 +521,11 @@ CODES: dict[str, Code] = {
         "the rounding would cut away a segment",
         "a smaller --corner",
     ),
+    "arcs-not-met": Code(
+        "with --corners paper, the offset arcs of a corner between arcs do not meet beside it",
+        "the controller would have no path there, or one far from the corner",
+        "--corners outer, or an arc drawn on the corner",
+    ),
     "offset-unresolved": Code(
         "the crossings of the shifted segments did not form closed paths",
         "a path that is not proven closed could leave a contour uncut or cut into the part",
@@ -635,8 +640,8 @@ CODES: dict[str, Code] = {
         "--gap 0 for the outline itself.",
     ),
     "outline-side": Code(
-        "From the path of a program alone it cannot be told on which side of an arc the outline "
-        "lies.",
+        "The data do not say on which side of an arc the outline lies, or on which side of a "
+        "contour of lines alone outwards is.",
         "The path would be right with the gap it is made for and wrong with every other.",
         "Compile the drawing to the format with the gap, or convert to one that takes any path.",
     ),

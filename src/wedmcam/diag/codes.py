@@ -651,8 +651,8 @@ CODES: dict[str, Code] = {
         "--gap 0 for the outline itself.",
     ),
     "outline-side": Code(
-        "From the path of a program alone it cannot be told on which side of an arc the outline "
-        "lies.",
+        "The data do not say on which side of an arc the outline lies, or on which side of a "
+        "contour of lines alone outwards is.",
         "The path would be right with the gap it is made for and wrong with every other.",
         "Compile the drawing to the format with the gap, or convert to one that takes any path.",
     ),

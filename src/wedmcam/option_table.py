@@ -369,7 +369,19 @@ _ROWS = (
         option="--corner",
         panel=Panel.PATH,
         takes=Range(0.0),
-        help="Round the part's own corners.",
+        help="Round the part's own corners; with --corners paper the radius of their arcs.",
+    ),
+    Row(
+        name="paper",
+        group="cutting",
+        kind=Kind.FLAG,
+        usual=False,
+        option="--corners",
+        parameter="corners",
+        panel=Panel.PATH,
+        words=("outer", "paper"),
+        help="Arcs where the wire goes round; or as the ZD-065 has them, on every corner of the "
+        "outline with a line, for punch and die alike.",
     ),
     Row(
         name="sharp",

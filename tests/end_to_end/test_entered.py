@@ -37,7 +37,7 @@ def test_a_gap(tmp_path, side, x, steps):
 
 def test_a_path_becomes_an_outline_and_its_gap(tmp_path):
     made = api.compile(ROOT / "samples" / "cam.dxf", offset=0.1, corner=0.3)
-    path, outline, back = (tmp_path / name for name in ("a.3b", "a.zdc", "b.3b"))
+    path, outline, back = (tmp_path / name for name in ("a.3b", "a.4b", "b.3b"))
     path.write_bytes(made.data)
     assert status(run("convert", path, "-o", outline, "--gap", "0.1")) == 0
     assert status(run("convert", outline, "-o", back, "--gap", "0.1")) == 0

@@ -54,11 +54,11 @@ def test_compensation_of_a_tangent_outline(degrees, side, offset):
     assert made.summary["max_deviation_um"] <= 2
     proof = api.verify(made.data, against=rounded(degrees), name="a.zdc", offset=offset, side=side)
     assert proof.ok, proof.findings
-    # Another gap is another part.
+    # The outline is stated, so the same file is right for another gap.
     proof = api.verify(
         made.data, against=rounded(degrees), name="a.zdc", offset=offset + 0.05, side=side
     )
-    assert not proof.ok
+    assert proof.ok, proof.findings
 
 
 def test_corners_are_refused_unless_rounded():

@@ -68,6 +68,7 @@ OPTIONS = st.fixed_dictionaries(
         "order": st.sampled_from(["given", "nearest", "inner-first"]),
         "reverse": st.booleans(),
         "sharp": st.booleans(),
+        "paper": st.booleans(),
         "count": st.sampled_from(["exact", "textbook"]),
         "transforms": st.sampled_from([("rotate 17",), ("mirror x",), ("scale 1.5", "shift 3 1")]),
         "arithmetic": st.sampled_from(["decimal8", "float64"]),

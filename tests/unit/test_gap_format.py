@@ -42,8 +42,8 @@ def test_bytes_are_what_the_widths_say():
 @pytest.mark.parametrize(
     ("gap", "outwards", "radius", "count"), [(100, True, 2100, 2969), (100, False, 1900, 2687)]
 )
-def test_arcs_are_scaled_and_lines_are_kept(gap, outwards, radius, count):
-    made, found = decode(ROUND, M, "a.zdc", gap, outwards)
+def test_open_loop_arcs_are_scaled_and_lines_are_kept(gap, outwards, radius, count):
+    made, found = decode(ROUND, M, "a.zdc", gap, outwards, open_loop=True)
     assert not found
     arcs = made.blocks[made.blocks["kind"] == Kind.ARC]
     assert np.hypot(arcs["x"], arcs["y"]).tolist() == [radius] * 4
@@ -66,9 +66,9 @@ def test_gaps_that_are_refused(gap):
     assert set(errors(found)) == {"gap-value"}
 
 
-def test_a_corner_is_refused_and_leads_are_not():
+def test_open_loop_a_corner_is_refused_and_leads_are_not():
     corner = bytes.fromhex("01006000000000 02000000006000 03006000000000 04000000006000 00")
-    _, found = decode(corner, M, "a.zdc", 100)
+    _, found = decode(corner, M, "a.zdc", 100, open_loop=True)
     assert errors(found) == ["not-tangent"]  # the first and the last line may be leads
     assert not errors(decode(corner, M, "a.zdc", 0)[1])
 

@@ -23,7 +23,7 @@ PACKAGE = Path(wedmcam.__file__).parent
 ISSUED = """
     units fill_in_units layers ignore_layers types ignore_types linetypes ignore_linetypes colours
     ignore_colours join_um tolerance_um thin_wall_um transforms offset_um side layer_sides
-    layer_offsets clearance_um clearance_on corner_um sharp trim starts_um lead_um stop_um
+    layer_offsets clearance_um clearance_on corner_um paper sharp trim starts_um lead_um stop_um
     overcut_um order reverse count strict source defines arithmetic cuts blocks from_block backwards
     d feed_um units_in whole_in coordinates_in centres_in semicolon_in subprograms_in
 """.split()
@@ -41,6 +41,7 @@ SAMPLES = {
     "clearance_um": (0.0, 0, ["--clearance", "0"]),
     "clearance_on": ("punch", "punch", ["--clearance-on", "punch"]),
     "corner_um": (200.0, 0.2, ["--corner", "0.2"]),
+    "paper": (True, True, ["--corners", "paper"]),
     "sharp": (True, True, ["--convex", "sharp"]),
     "trim": (True, True, ["--on-interference", "trim"]),
     "starts_um": (((1000.0, -2e3),), [(1, -2)], ["--start", "1,-2"]),

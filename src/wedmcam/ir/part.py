@@ -32,6 +32,8 @@ class CutItem:
         span: of the statement; None where a drawing asks for it.
         offset: outline to wire centre.
         corner: radius rounded onto the part's own corners.
+        paper: corners with a line have an arc, those between arcs none; None for as the options
+            say.
         start: thread point (x, y), and where it is written.
         stop: how far before the end the machine pauses.
         lead: length of a lead where there is no thread point.
@@ -47,6 +49,7 @@ class CutItem:
     span: TextSpan | None
     offset: float | None = None
     corner: float | None = None
+    paper: bool | None = None
     start: tuple[float, float, TextSpan] | None = None
     stop: float | None = None
     lead: float | None = None

@@ -43,6 +43,9 @@ class Cut:
         scene: which of the plan's ``scenes`` it is of, from 0.
         stated: the thread point as it was stated; None where wedmcam placed it.
         clearance_um: how far behind its outline the kept material begins.
+        cornered: the outline before its corners had their arcs (``--corners paper``), in the
+            direction of ``outline``; None where these are not of that kind.
+        corner_um: radius of these arcs; 0 for none.
     """
 
     outline: Contour | None
@@ -58,6 +61,8 @@ class Cut:
     scene: int = 0
     stated: ThreadPoint | None = None
     clearance_um: float = 0.0
+    cornered: Contour | None = None
+    corner_um: float = 0.0
 
 
 def outline_numbers(cuts: Sequence[Cut]) -> list[int]:

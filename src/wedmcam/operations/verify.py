@@ -362,7 +362,13 @@ def _stated_entries(options: Options, entered: Entries) -> Entries:
     """Return what the operator enters, as far as options and ``entered`` state it."""
     cutting = options.cutting
     outwards = cutting.effective_side is not Side.DIE
-    return replace(entered, d=options.operator.d, every_um=cutting.offset_um, outwards=outwards)
+    return replace(
+        entered,
+        d=options.operator.d,
+        every_um=cutting.offset_um,
+        outwards=outwards,
+        corner_um=cutting.corner_um or None,
+    )
 
 
 def _offsets_of_plan(entries: Entries, target: Target, options: Options) -> list[Diagnostic]:

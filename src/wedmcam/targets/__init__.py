@@ -207,7 +207,7 @@ KINDS: dict[str, str] = {
     "compact": "wedmcam.targets.stated:Compact",
     "iso": "wedmcam.targets.g41:iso_target",
     "rotation": "wedmcam.targets.rotation:Rotation",
-    "compensation": "wedmcam.targets.scaled:Compensation",
+    "compensation": "wedmcam.targets.compensation:Compensation",
     "4b": "wedmcam.targets.scaled:B4",
 }
 

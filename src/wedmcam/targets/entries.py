@@ -39,6 +39,8 @@ class Entries:
         gap_um: of a compensation or 4B file, whole um; None where it is not stated: what is read
             then is the outline, and `Target.unstated` says so.
         outwards: True for a part (punch), False for a die.
+        corner_um: of a compensation file: radius of the arcs at corners of the outline, um, at
+            least the gap; None for the gap.
         d: numbers and entries of the table of a controller that offsets an ISO program, um.
         letter: of those numbers, ``D`` or ``H``.
         diameter: an entry is twice the offset.
@@ -50,6 +52,7 @@ class Entries:
     angle: float = 0.0
     gap_um: float | None = None
     outwards: bool = True
+    corner_um: float | None = None
     d: tuple[tuple[int, float], ...] = ()
     letter: str = "D"
     diameter: bool = False
@@ -99,6 +102,11 @@ class Entries:
             )
         if self.d and source != "iso":
             raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
+        if self.corner_um is not None and (source != "compensation" or not self.gap_um):
+            raise WrongUse(
+                "--corner is the radius of the arcs at corners of a compensation file that is "
+                "read, and goes with its --gap"
+            )
         if not self.gap_um:
             return
         if not {source, target} & {*GAPPED}:

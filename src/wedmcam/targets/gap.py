@@ -36,8 +36,8 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
     findings: list[Diagnostic] = []
     more = 0
     for cut in plan.cuts:
-        if cut.outline is None or not cut.offset_um:
-            continue
+        if cut.outline is None or not cut.offset_um or cut.cornered is not None:
+            continue  # the controller puts arcs on corners as the plan does
         c = cut.outline
         s = segments_of(c.vertices, c.closed)
         ex, ey = end_tangents(s)
@@ -58,7 +58,10 @@ def corners(plan: Plan, instead: str = "compact") -> list[Diagnostic]:
                     "controller's compensation takes tangent joints only",
                     c.source_of(k),
                     points_mm=(corner,),
-                    hint="round the corners (--corner), or --to {instead}",
+                    hint="arcs on the corners (--corners paper), round them (--corner), or --to "
+                    "{instead}"
+                    if instead == "compact"
+                    else "round the corners (--corner), or --to {instead}",
                     angle_deg=float(np.degrees(angle[k])),
                     corner=corner,
                     instead=instead,

@@ -1,4 +1,4 @@
-"""Controllers that offset an outline by scaling its arcs: 4B, the ZD-065's compensation format.
+"""Controllers that offset an outline by scaling its arcs: 4B.
 
 A program is the outline, and the operator enters the gap and its side. What is stated of each arc
 is whether the gap makes it larger or smaller.
@@ -16,17 +16,16 @@ from wedmcam.diag import Diagnostic, Place, Severity, has_errors, note
 from wedmcam.diag.run import WrongUse
 from wedmcam.ir.plan import Plan, Side
 from wedmcam.ir.program import Kind, Program
-from wedmcam.machines import Machine
 from wedmcam.targets import gap
 from wedmcam.targets.entries import Entries
-from wedmcam.targets.stated import KIN_3B, Memory, Stated
+from wedmcam.targets.stated import KIN_3B, Stated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
 class Scaled(Stated):
-    """What both share; ``instead``: the format that states the path to the same controller."""
+    """What such formats share; ``instead``: what states the path to the same controller."""
 
     makes_path = True
     takes_gap = True
@@ -176,27 +175,6 @@ class B4(Scaled):
 
     end = True
     kin = KIN_3B
-
-
-class Compensation(Scaled, Memory):
-    """The ZD-065's compensation format."""
-
-    instead = "compact"
-
-    @property
-    def block_bytes(self) -> tuple[int, int]:
-        """See `formats.compensation`."""
-        from wedmcam.formats import compact
-        from wedmcam.formats import compensation as rows
-
-        return compact.LINE_BYTES, rows.ARC_BYTES
-
-    @property
-    def own_path(self) -> Machine:
-        """The ZD-065's cutting format."""
-        from wedmcam.machines import default
-
-        return default("compact")
 
 
 def _stated(entries: Entries) -> dict[str, Any]:

@@ -25,6 +25,12 @@ from wedmcam.cli.settings import ReadsPrograms
     default="part",
     help="Of such a file: part outwards, die inwards.",
 )
+@click.option(
+    "--corner",
+    "corner_um",
+    type=length("corner_um"),
+    help="Radius of the arcs at corners of a compensation file; the gap where it is left out.",
+)
 @ask.d_option
 @ask.reading_options
 @ask.feed_option

@@ -70,7 +70,8 @@ def _entries(params: dict[str, Any]) -> Entries:
     """Return what the operator enters beside the programs."""
     turned = entered_of(*(params[name] for name in TURNING))
     outwards = params["side"] == "part"
-    return replace(turned, gap_um=params["gap_um"], outwards=outwards, d=params["d"])
+    stated = {name: params[name] for name in ("gap_um", "corner_um", "d")}
+    return replace(turned, outwards=outwards, **stated)
 
 
 def _target(

@@ -23,7 +23,9 @@ from wedmcam.cli.settings import typed
 from wedmcam.cli.terminal import print_findings, print_json
 from wedmcam.compiler.results import Proof
 from wedmcam.judge.claims import parsed
+from wedmcam.operations.profiles import reader_machine
 from wedmcam.programs.places import with_time
+from wedmcam.targets.entries import GAPPED
 
 
 def run_verify(
@@ -44,16 +46,20 @@ def run_verify(
         against = against if against is not None else _drawing_of(issued, str(certificate))
         params = ask.as_issued(params, issued, given)
     entered = ask.entered_in(params)
-    options = ask.options_of(params)
     named = ask.profile_in(params, given)
     machine = ask.machine_of(named, format_) if named else None
+    data = read_program(program)
+    if params["gap_um"] is not None and params["wire_um"] is None:
+        read_as = reader_machine(data, shown_name(program), format_, machine)
+        params = _gap_entered(params, given, read_as.format)
+    options = ask.options_of(params)
     new_certificate = None if issued else certificate
     outputs = [name for name in (plot_, new_certificate) if name is not None]
     check_names([program, *([against] if against else [])], outputs)
     check_picture(plot_)
     if against is None:
         _warn_without_drawing()
-    data, drawing = read_program(program), None if against is None else read_input(against)
+    drawing = None if against is None else read_input(against)
     with waiting(f"verifying {shown_name(program)}"):
         proof = api.verify(
             data,
@@ -109,6 +115,19 @@ def _report(proof: Proof, params: dict[str, Any]) -> int:
         report.print_proof(proof, params["verbose"])
         report.print_time(proof.summary, feed)
     return proof.status
+
+
+def _gap_entered(params: dict[str, Any], given: set[str], format_: str) -> dict[str, Any]:
+    """Return what was typed, with ``--gap`` as the operator enters it beside an outline.
+
+    It is the whole offset there, and the ZD-065 puts arcs on the corners of what it offsets.
+    """
+    if format_ not in GAPPED or params["offset_um"] is not None:
+        return params
+    entered = {**params, "offset_um": params["gap_um"], "gap_um": None}
+    if format_ == "compensation" and "corners" not in given:
+        entered["corners"] = "paper"
+    return entered
 
 
 def _read_certificate(certificate: str | None) -> dict[str, Any] | None:

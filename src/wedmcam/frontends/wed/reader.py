@@ -298,7 +298,7 @@ class _Reader:
             clauses[clause.kind] = value
         values: dict[str, float] = {}
         points: dict[str, tuple[float, float, TextSpan]] = {}
-        stopped = False
+        stopped, paper = False, None
         for kind, value in clauses.items():
             try:
                 if kind in ("start", "enter"):
@@ -306,6 +306,8 @@ class _Reader:
                     um = scope.numbers.um
                     where = scope.span(value)
                     points[kind] = (um(p.x, scope.factor), um(p.y, scope.factor), where)
+                elif kind == "corners":
+                    paper = value.text == "paper"
                 else:
                     values[kind] = scope.um(value, f"'{kind}'")
                     if kind in ("stop", "overcut") and 0 < values[kind] < 1:
@@ -336,7 +338,9 @@ class _Reader:
             raise Stop
         name = self.source.text[node.items[0].start : node.items[0].end]
         start, enter = points.get("start"), points.get("enter")
-        self.cuts.append(CutItem(name, shape, word, span, start=start, enter=enter, **values))
+        self.cuts.append(
+            CutItem(name, shape, word, span, start=start, enter=enter, paper=paper, **values)
+        )
 
     # --- contours ---
 

@@ -1,7 +1,8 @@
 """Read the gap-compensation format of the ZD-065.
 
 `read` returns the outline as it stands there, `decode` the cutting program that the controller's
-data processing makes of it with a gap: that is what would be cut.
+data processing makes of it with a gap and the radius of its transition arcs: that is what would be
+cut.
 """
 
 from __future__ import annotations
@@ -12,11 +13,13 @@ from numpy.typing import NDArray
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.controllers.scaling import scale
+from wedmcam.controllers.zd065.compensation import compensate
 from wedmcam.controllers.zd065.data import OUTLINE
 from wedmcam.diag import Diagnostic, Severity
 from wedmcam.formats import compensation, quadrants
 from wedmcam.formats.lengths import mm_of
-from wedmcam.frontends.zd065.memory import Stream
+from wedmcam.frontends.zd065.gap_problems import tell_followed, tell_problems
+from wedmcam.frontends.zd065.memory import ByteSpans, Stream
 from wedmcam.ir.program import Axis, Kind, Program
 from wedmcam.machines import Machine
 
@@ -36,7 +39,14 @@ def read(data: bytes, machine: Machine, file: str) -> tuple[NDArray[np.void], li
 
 
 def decode(
-    data: bytes, machine: Machine, file: str, gap_um: float = 0, outwards: bool = True
+    data: bytes,
+    machine: Machine,
+    file: str,
+    gap_um: float = 0,
+    outwards: bool = True,
+    corner_um: float | None = None,
+    *,
+    open_loop: bool = False,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that the controller makes of compensation data.
 
@@ -46,9 +56,13 @@ def decode(
         file: name for the spans.
         gap_um: whole um, 0 to 7999 [S].
         outwards: True for a punch, False for a die.
+        corner_um: radius of the transition arcs at corners of the outline, um, at least the gap;
+            None for the gap. Punch and die of one outline need the same.
+        open_loop: only scale the arcs, as 4B does; joints that are not tangent are refused then.
 
-    Refused where R - gap is not above 0 and at joints that are not tangent; the first and the last
-    line between two controls may be leads and are not asked [R].
+    ``spans[i]`` is where the block stands that block i was made of. Refused, with the place, is
+    what has no such path: see `controllers.zd065.compensation.Problem`. With an error the program
+    is that of the good blocks, as stated.
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
@@ -73,11 +87,34 @@ def decode(
             "gap_mm": stream.mm(whole),
         },
     )
-    if whole:
-        _tell_joints(stream, figure, whole)
-    blocks = scale(_safe(figure, stream), whole, outwards)
-    stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
-    return stream.finish(blocks)
+    if open_loop:
+        if whole:
+            _tell_joints(stream, figure, whole)
+        blocks = scale(_safe(figure, stream), whole, outwards)
+        stream.tell_blocks(blocks["x"], blocks["y"], blocks["count"])
+        return stream.finish(blocks)
+    made = None
+    if stream.good.all() and len(figure):
+        made, problems = compensate(
+            figure, whole, outwards, corner_um, stepping=machine.own_stepping
+        )
+        failed = tell_problems(stream, problems)
+        tell_followed(stream, made)
+        made = None if failed else made
+    blocks = scale(_safe(figure, stream), 0)
+    program, findings = stream.finish(blocks)
+    if made is None:
+        return program, findings
+    stop = program.blocks[len(figure) :]
+    stated = np.concatenate([made.stated, np.arange(len(figure), len(program.blocks))])
+    spans = ByteSpans(
+        file,
+        np.append(stream.starts, stream.end)[stated],
+        np.append(stream.starts + stream.sizes, stream.end + 1)[stated],
+    )
+    cutting = made.blocks.copy()
+    cutting["source"] = -1
+    return Program(np.concatenate([cutting, stop]), spans=spans), findings
 
 
 def senses(data: bytes, machine: Machine) -> NDArray[np.int64]:

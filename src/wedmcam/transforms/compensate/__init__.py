@@ -111,7 +111,7 @@ def compensate(
     shifts: Sequence[float],
     *,
     arithmetic: Arithmetic = FLOAT64,
-    sharp: bool = False,
+    sharp: bool | Sequence[bool] = False,
 ) -> tuple[Compensated, list[Diagnostic]]:
     """Return the paths at distance |shift| beside the outlines, arcs kept as arcs.
 
@@ -120,7 +120,8 @@ def compensate(
         shifts: for each outline how far the wire runs to the left of it (negative: right), um.
             Outlines of one call keep the wire away from each other too. 0 follows the outline.
         arithmetic: in which the vertices are computed.
-        sharp: prolong the neighbours of an outer corner to their crossing, up to four offsets.
+        sharp: prolong the neighbours of an outer corner to their crossing, up to four offsets; of
+            all outlines, or of each.
 
     Returns:
         The paths, in the direction of their outlines, and the interference found. A finding of code
@@ -171,7 +172,10 @@ def compensate(
 
 
 def _without_conflicts(
-    outlines: Sequence[Contour], shifts: Sequence[float], arithmetic: Arithmetic, sharp: bool
+    outlines: Sequence[Contour],
+    shifts: Sequence[float],
+    arithmetic: Arithmetic,
+    sharp: bool | Sequence[bool],
 ) -> tuple[Compensated, list[Diagnostic]]:
     """Leave out contours whose wire would run into what another one keeps.
 
@@ -187,10 +191,14 @@ def _without_conflicts(
     bad, good = np.flatnonzero(is_bad), np.flatnonzero(~is_bad).tolist()
     if not len(bad):  # lost only in a later attempt, or the contours cross
         return Compensated((), (), 0), [_crossing(outlines)]
-    alone = [compensate([outlines[k]], [shifts[k]], sharp=sharp)[1] for k in bad.tolist()]
-    problems = [p for own in alone for p in own]
+    own = [sharp] * len(outlines) if isinstance(sharp, bool) else sharp
+    alone = [compensate([outlines[k]], [shifts[k]], sharp=own[k])[1] for k in bad.tolist()]
+    problems = [p for found in alone for p in found]
     rest, more = compensate(
-        [outlines[k] for k in good], [shifts[k] for k in good], arithmetic=arithmetic, sharp=sharp
+        [outlines[k] for k in good],
+        [shifts[k] for k in good],
+        arithmetic=arithmetic,
+        sharp=[own[k] for k in good],
     )
     if problems or more:
         return Compensated((), (), 0), problems + more

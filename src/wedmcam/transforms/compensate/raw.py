@@ -154,8 +154,11 @@ def gather(
     )
 
 
-def raw_offset(source: Source, sharp: bool) -> Raw:
-    """Return every segment shifted, with transition arcs (or mitres) at outer corners."""
+def raw_offset(source: Source, sharp: bool | Sequence[bool]) -> Raw:
+    """Return every segment shifted, with transition arcs (or mitres) at outer corners.
+
+    ``sharp``: mitres, for all contours or for each.
+    """
     s, shift = source.segments, source.shift
     arc = s.turn != 0
     radius = np.where(arc, s.radius - shift * s.turn, 0.0)
@@ -188,9 +191,10 @@ def raw_offset(source: Source, sharp: bool) -> Raw:
     corner = outer & ~meets & (shift != 0) & (gap > 0.05 * SAME_END_UM)
 
     prolonged = np.zeros(len(s), bool)
-    if sharp and corner.any():
+    prolongs = np.broadcast_to(sharp, source.contour.max(initial=0) + 1)[source.contour] & corner
+    if prolongs.any():
         sideways = sideways.copy()
-        moved = _mitre(s, shift, radius, corner & ~vanished & ~vanished[k], k, x1, y1)
+        moved = _mitre(s, shift, radius, prolongs & ~vanished & ~vanished[k], k, x1, y1)
         rows, mx, my = moved
         x1[rows], y1[rows] = mx, my
         x0[k[rows]], y0[k[rows]] = mx, my

@@ -60,7 +60,7 @@ def cuts_of(
     cuts = []
     for k in order(parents, [t.thread for t in threaded], drawn, how):
         path, one, item = paths[k], threaded[k], shaped_cuts[cut_of[k]].item
-        closed = one.path.closed
+        closed, piece = one.path.closed, scene.pieces[path.contour]
         stop = item.stop if item.stop is not None else leading.stop_um
         over = item.overcut if item.overcut is not None else leading.overcut_um
         used.add("stop_um", closed and item.stop is None)
@@ -79,7 +79,9 @@ def cuts_of(
             path.offset_um,
             number,
             one.stated,
-            scene.pieces[path.contour].clearance,
+            piece.clearance,
+            piece.cornered_as_run,
+            piece.corner,
         )
         cuts.append((cut_of[k], cut))
         if item.lead is not None and not one.measured:

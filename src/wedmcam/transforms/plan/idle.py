@@ -39,7 +39,7 @@ _OF_DRAWINGS = (
     ("order", "cuts are made in the order in which they are written"),
 )
 #: Fields of the wire path, in the order in which findings name them.
-_OF_PATH = ("offset_um", "corner_um", "sharp", "trim", "lead_um", "stop_um", "overcut_um")
+_OF_PATH = ("offset_um", "corner_um", "paper", "sharp", "trim", "lead_um", "stop_um", "overcut_um")
 
 
 @dataclass(slots=True)

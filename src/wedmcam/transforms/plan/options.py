@@ -26,7 +26,10 @@ class Cutting:
         clearance_um: what punch and die leave between them on each side; whoever takes it is cut
             that much nearer to its outline, and behind it where that is more than the offset.
         clearance_on: who takes it, "die" or "punch".
-        corner_um: radius rounded onto the part's own corners; 0 for none.
+        corner_um: radius rounded onto the part's own corners; 0 for none, with ``paper`` for the
+            largest offset.
+        paper: corners of the outline where a line meets a line or an arc have an arc, those
+            between arcs none.
         sharp: at a corner that the wire goes round the offset lines are prolonged to meet.
         trim: leave out what the wire cannot reach instead of refusing.
         thin_wall_um: kept material thinner than this is a warning; 0 for none.
@@ -39,6 +42,7 @@ class Cutting:
     clearance_um: float = usual("clearance_um")
     clearance_on: str = usual("clearance_on")
     corner_um: float = usual("corner_um")
+    paper: bool = usual("paper")
     sharp: bool = usual("sharp")
     trim: bool = usual("trim")
     thin_wall_um: float = usual("thin_wall_um")
@@ -48,6 +52,11 @@ class Cutting:
         if self.side is Side.ON and self.offset_um and not self.layer_sides:
             raise WrongUse("--side on runs on the line: it takes no offset")
         self._check_layers()
+        if self.paper and self.sharp:
+            raise WrongUse(
+                "--convex sharp with --corners paper: no corner is left that could be prolonged; "
+                "leave one of the two out"
+            )
         if self.clearance_on not in CLEARANCE_ON:
             raise WrongUse(f"--clearance-on takes die or punch, not '{self.clearance_on}'")
         sided = [(side, um) for side, um in self._stated_sides() if side in SIDED]

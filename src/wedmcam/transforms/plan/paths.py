@@ -15,6 +15,7 @@ from wedmcam.diag import Diagnostic, Place, error, has_errors, note, warning
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.sketch import ThreadPoint
 from wedmcam.transforms.compensate import Interference, compensate
+from wedmcam.transforms.compensate.between import unmet
 from wedmcam.transforms.plan.options import Cutting
 from wedmcam.transforms.plan.pieces import Piece
 from wedmcam.transforms.plan.scenes import PieceScene
@@ -64,9 +65,15 @@ def planned_paths(
     findings: list[Diagnostic] = []
     sided = scene.pieces[0].outside is not None
     if any(shifts):
-        result, findings = compensate(contours, shifts, arithmetic=ar, sharp=cutting.sharp)
+        sharp = [cutting.sharp or p.paper for p in scene.pieces]
+        result, findings = compensate(contours, shifts, arithmetic=ar, sharp=sharp)
         if findings:
             return None, findings
+        if not result.interference:
+            for k, piece in enumerate(scene.pieces):
+                if piece.paper and piece.shift:
+                    own = [p.path for p in result.paths if k in p.outlines]
+                    findings += unmet(contours[k], piece.shift, own)
         findings += interference(contours, shifts, result.interference, cutting.trim)
         rounded = any(p.rounded for p in scene.pieces)
         if result.inner_corners and result.paths and sided and not rounded:

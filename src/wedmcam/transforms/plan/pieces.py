@@ -6,6 +6,7 @@ other one, as in a drawing.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from wedmcam.diag import Diagnostic, Place, TextSpan, error, has_errors
 from wedmcam.geom import measure
 from wedmcam.ir.contour import Contour
 from wedmcam.transforms import figures
-from wedmcam.transforms.corners import round_corners
+from wedmcam.transforms.corners import round_corners, transition_arcs
 from wedmcam.transforms.merge import merge_arcs
 from wedmcam.transforms.nest import nest
 from wedmcam.transforms.plan.idle import Used
@@ -38,6 +39,9 @@ class Piece:
         clearance: how far behind the contour the kept material begins, um.
         reverse: the wire runs the contour the other way, on the same path.
         rounded: its sharp corners were rounded.
+        cornered: the contour as it was before its corners had arcs; None where that is the contour.
+        corner: radius of these arcs, um; 0 for none.
+        paper: corners between arcs stay, and their offset arcs are intersected.
     """
 
     cut: int
@@ -49,6 +53,15 @@ class Piece:
     clearance: float
     reverse: bool
     rounded: bool
+    cornered: Contour | None = None
+    corner: float = 0.0
+    paper: bool = False
+
+    @property
+    def cornered_as_run(self) -> Contour | None:
+        """The contour before its corners had arcs, in the direction in which it is run."""
+        turned = self.cornered is not None and self.reverse
+        return self.cornered.reversed() if turned and self.cornered else self.cornered
 
 
 def runs_outside(depth: int, outside: bool) -> bool:
@@ -59,8 +72,42 @@ def runs_outside(depth: int, outside: bool) -> bool:
     return outside == (depth % 2 == 0)
 
 
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """What punch and die share, where the corners of their outline have arcs (``--corners paper``).
+
+    Attributes:
+        radius: of arcs that are not stated, um: the largest offset of all, for one radius fits both
+            only where it is no smaller than either of their offsets.
+        complete: punch and die are both cut here: whatever their offsets, their arcs are the same.
+    """
+
+    radius: float
+    complete: bool
+
+
+def pair_of(cuts: Sequence[ShapedCut], cutting: Cutting) -> Pair:
+    """Return what all cuts that have arcs on the corners of their outlines share."""
+    pairs = [cut.item for cut in cuts if _is_paper(cut, cutting) and cut.item.side != "on"]
+    stated = [i.offset if i.offset is not None else cutting.offset_um or 0.0 for i in pairs]
+    sides = {item.side for item in pairs}
+    # Layers of a drawing are punch and die; cuts of a part program may be a part and its holes.
+    complete = cuts[0].of_drawing and {"inside", "outside"} <= sides
+    return Pair(max((*stated, 0.0)), complete)
+
+
+def _is_paper(cut: ShapedCut, cutting: Cutting) -> bool:
+    return cutting.paper if cut.item.paper is None else cut.item.paper
+
+
 def pieces_of(
-    number: int, cut: ShapedCut, cutting: Cutting, reverse: bool, ar: Arithmetic, used: Used
+    number: int,
+    cut: ShapedCut,
+    cutting: Cutting,
+    reverse: bool,
+    ar: Arithmetic,
+    used: Used,
+    pair: Pair,
 ) -> tuple[list[Piece], list[Diagnostic]]:
     """Return the contours of cut ``number`` with the side on which the wire runs."""
     item, findings = cut.item, []
@@ -83,6 +130,13 @@ def pieces_of(
     for name in ("sharp", "trim"):
         used.add(name, offset != 0)
     corner = item.corner if item.corner is not None else cutting.corner_um
+    paper = _is_paper(cut, cutting)
+    if paper and side == "on" and not corner:
+        paper = False  # without an offset there is nothing that an arc would be for
+    used.add("paper", paper and item.paper is None)
+    usual = paper and not corner
+    if usual:
+        corner = pair.radius
     if 0 < corner < offset:
         findings.append(
             error(
@@ -100,7 +154,12 @@ def pieces_of(
         findings += [_open(c, side, item.span) for c in figure if not c.closed]
         figure = list(figures.counter_clockwise(figure))
     findings += _for_closed_only(cut, figure)
-    if corner:
+    drawn = figure
+    if paper:
+        warns = usual and not pair.complete
+        figure, problems = transition_arcs(figure, corner, ar, acute=warns)
+        findings += problems
+    elif corner:
         figure, problems = round_corners(figure, corner, ar)
         findings += problems
     if has_errors(findings):
@@ -129,6 +188,9 @@ def pieces_of(
                 item.clearance,
                 stated != reverse,
                 corner > 0,
+                drawn[k] if paper else None,
+                corner if paper else 0.0,
+                paper,
             )
         )
     return pieces, findings

@@ -14,7 +14,7 @@ from wedmcam.transforms.plan.leads import Threaded, across
 from wedmcam.transforms.plan.material import thin_material
 from wedmcam.transforms.plan.options import Cutting, Leading
 from wedmcam.transforms.plan.paths import planned_paths
-from wedmcam.transforms.plan.pieces import Piece, pieces_of
+from wedmcam.transforms.plan.pieces import Piece, pair_of, pieces_of
 from wedmcam.transforms.plan.scenes import PieceScene, scenes_of
 from wedmcam.transforms.plan.shaped import ShapedCut
 from wedmcam.transforms.plan.wording import Wording
@@ -88,8 +88,9 @@ def scenes_to_cut(
     """Return what makes one part each; None where contours cross or leave no wall."""
     findings: list[Diagnostic] = []
     pieces: list[Piece] = []
+    pair = pair_of(shaped_cuts, cutting)
     for number, cut in enumerate(shaped_cuts):
-        own, problems = pieces_of(number, cut, cutting, reverse, ar, used)
+        own, problems = pieces_of(number, cut, cutting, reverse, ar, used, pair)
         pieces += own
         findings += problems
     if has_errors(findings):

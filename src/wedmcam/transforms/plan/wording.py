@@ -41,6 +41,7 @@ OF_DRAWING = Wording(
     of_part=False,
     idle="idle-option",
     idle_reasons={
+        "paper": _ON_LINE,
         "sharp": _ON_LINE,
         "trim": _ON_LINE,
         "lead_um": _ENTERED,
@@ -58,6 +59,7 @@ OF_PART = Wording(
     idle_reasons={
         "offset_um": "each cut names its offset, or runs on its line",
         "corner_um": "each cut names its corner",
+        "paper": "each cut names its corners, or runs on its line",
         "sharp": _ON_LINE,
         "trim": _ON_LINE,
         "lead_um": "each cut names its lead, or is entered from its start or the centre of its "

@@ -110,6 +110,10 @@ def test_loads_in_the_kerf_are_the_bytes_of_the_one_program():
     (together,) = loads.proven_together(made)
     assert together.loads == (1, 2)
     assert not together.findings
+    notes = [d for load in made for d in load.findings if d.code == "kerf-load"]
+    assert [len(d.points_mm) for d in notes] == [1, 1]
+    assert notes[0].values["end"] == notes[1].values["start"]
+    assert notes[0].values["last"] + 1 == notes[1].values["first"]
     assert together.verdict.closure_um == 0
     assert together.verdict.steps == whole.verdict.steps
     assert together.verdict.max_deviation_um == whole.verdict.max_deviation_um

@@ -54,7 +54,7 @@ def test_loads_are_the_program(seed, profile, records, more):
         large = [d for d in load.findings if d.code == "over-memory"]
         # What stays too large is one contour that no load can begin within, or that has no room.
         assert not large or len(load.plan.cuts) == 1
-        assert not large or target_of(small).needs_lead or records < 12
+        assert not large or target_of(small).whole_contours or records < 12
         holds(drawing, load, "input")
     cutting = [int((load.program.blocks["kind"] < Kind.MOVE).sum()) for load in made]
     steps = [load.summary["steps"] for load in made]

@@ -119,7 +119,7 @@ def _print_move(move: dict[str, Any], load: int) -> None:
 def _print_too_large(load: Compilation, number: int) -> None:
     """Print that a load does not fit the memory, and why it is not cut in the kerf."""
     if any(d.code == "over-memory" for d in load.findings):
-        why = target_of(load.machine).needs_lead
+        why = target_of(load.machine).whole_contours
         text = f"load       {number} does not fit the memory" + (f": {why}" if why else "")
         print_text(text, err=True)
 

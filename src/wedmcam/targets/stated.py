@@ -62,6 +62,11 @@ class Stated:
     turns: ClassVar[bool] = True
 
     @property
+    def whole_contours(self) -> str:
+        """See `Target`."""
+        return self.needs_lead
+
+    @property
     def stop_word(self) -> str:
         """See `Target`."""
         return self.machine.words.stop
@@ -334,6 +339,11 @@ class Compact(Memory):
 
 class Rotation(Memory):
     """The ZD-065's rotation format: a figure that the controller copies by an angle."""
+
+    @property
+    def whole_contours(self) -> str:
+        """See `Target`."""
+        return "the controller turns a figure as a whole"
 
     @property
     def block_bytes(self) -> tuple[int, int]:

@@ -82,20 +82,22 @@ def _places(way: Walk, whole: Program, load: Program, before: int, last: int) ->
     start = place(x, y, per_mm(whole))
     x, y = way.end[last - 1].tolist()
     end = place(x, y, per_mm(whole))
-    text = "this load has blocks {first} to {last} of its program"
-    if before:
-        text += "; it starts in the kerf at {start}, where the load before it ends"
-    if after:
-        text += "; it ends in the kerf at {end}: the machine waits there, generator off"
-    return note(
+    found = note(
         "kerf-load",
-        text + "; deviation, closure and gouge are those of all loads together",
+        "this load has blocks {first} to {last} of its program",
         points_mm=tuple(p for p, there in ((start, before), (end, after)) if there),
         first=before + 1,
         last=last if after else before + len(load.blocks),
-        start=start,
-        end=end,
     )
+    if before:
+        found = found.extended(
+            "; it starts in the kerf at {start}, where the load before it ends", start=start
+        )
+    if after:
+        found = found.extended(
+            "; it ends in the kerf at {end}: the machine waits there, generator off", end=end
+        )
+    return found.extended("; deviation, closure and gouge are those of all loads together")
 
 
 def _overlaps(cut: CutVerdict, before: int, last: int) -> bool:

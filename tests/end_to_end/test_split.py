@@ -110,6 +110,10 @@ def test_loads_in_the_kerf_are_the_bytes_of_the_one_program():
     (together,) = loads.proven_together(made)
     assert together.loads == (1, 2)
     assert not together.findings
+    notes = [d for load in made for d in load.findings if d.code == "kerf-load"]
+    assert [len(d.points_mm) for d in notes] == [1, 1]
+    assert notes[0].values["end"] == notes[1].values["start"]
+    assert notes[0].values["last"] + 1 == notes[1].values["first"]
     assert together.verdict.closure_um == 0
     assert together.verdict.steps == whole.verdict.steps
     assert together.verdict.max_deviation_um == whole.verdict.max_deviation_um
@@ -135,7 +139,7 @@ def test_loads_of_records(most, more):
         assert not [d for d in again.findings if d.code == "certificate-differs"]
 
 
-@pytest.mark.parametrize("profile", ["iso-mm", "iso-um", "zd065-rotation"])
+@pytest.mark.parametrize("profile", ["iso-mm", "iso-um", "zd065"])
 def test_loads_of_other_formats(profile):
     machine = machines.builtin(profile)
     key = "memory_bytes" if machine.limits.memory_bytes else "blocks"
@@ -212,11 +216,13 @@ def test_too_large_a_program_is_no_error_where_it_is_split():
     assert not api.compile(STATOR, profile=machine, options=options).ok
 
 
-def test_what_cannot_be_cut_in_the_kerf_stays_whole():
-    """An outline is taken up on a lead: there is none in the kerf."""
-    machine = machines.builtin("iso-g41")
-    machine = replace(machine, limits=replace(machine.limits, blocks=30))
-    options = Options.of(offset_um=100.0)
+@pytest.mark.parametrize("profile", ["iso-g41", "b4-compact", "zd065-rotation"])
+def test_what_cannot_be_cut_in_the_kerf_stays_whole(profile):
+    """An outline is taken up on a lead, or scaled or turned as a whole."""
+    machine = machines.builtin(profile)
+    key, most = ("memory_bytes", 300) if machine.limits.memory_bytes else ("blocks", 30)
+    machine = replace(machine, limits=replace(machine.limits, **{key: most}))
+    options = Options.of(offset_um=100.0, corner_um=300.0)
     made = loads.compile_loads(KEY, profile=machine, options=options, output_name="a.nc")
     assert all(load.ok for load in made)
     large = [load for load in made if any(d.code == "over-memory" for d in load.findings)]

@@ -84,7 +84,7 @@ def _report_loads(
                 _print_move(move, k)
             report.print_report(load, names.program, params["verbose"])
             report.print_time(load.summary, feed)
-            _print_blocks(load, k, one)
+            _print_too_large(load, k)
             if one is not None and k == one.loads[1]:
                 _print_together(one)
         if params["json_"]:
@@ -116,14 +116,10 @@ def _print_move(move: dict[str, Any], load: int) -> None:
     )
 
 
-def _print_blocks(load: Compilation, number: int, together: Together | None) -> None:
-    """Print which blocks of a program a load has, or why it does not fit the memory."""
-    blocks = load.options.portion.blocks
-    if blocks is not None and together is not None:
-        of = f"{number} of {together.loads[0]} to {together.loads[1]}, which are one program"
-        print_text(f"load       {of}: blocks {blocks[0]} to {blocks[1]} of it", err=True)
-    elif any(d.code == "over-memory" for d in load.findings):
-        why = target_of(load.machine).needs_lead
+def _print_too_large(load: Compilation, number: int) -> None:
+    """Print that a load does not fit the memory, and why it is not cut in the kerf."""
+    if any(d.code == "over-memory" for d in load.findings):
+        why = target_of(load.machine).whole_contours
         text = f"load       {number} does not fit the memory" + (f": {why}" if why else "")
         print_text(text, err=True)
 

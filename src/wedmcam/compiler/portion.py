@@ -55,8 +55,8 @@ def _load(plan: Plan, first: int, last: int, target: Target, options: Options, r
     Raises:
         WrongUse: there are no such blocks, or no load can begin or end between them.
     """
-    if target.needs_lead:
-        raise WrongUse(f"--blocks begins a load in the kerf: {target.needs_lead}")
+    if target.whole_contours:
+        raise WrongUse(f"--blocks is a load that is cut in the kerf: {target.whole_contours}")
     lowered, program = _whole(plan, target, options, run)
     n = len(program.blocks)
     if last > n:

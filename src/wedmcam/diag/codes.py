@@ -806,6 +806,11 @@ CODES: dict[str, Code] = {
         "What stood there is lost.",
         "Move them to cleared memory, or be sure that nothing there is wanted.",
     ),
+    "kerf-load": Code(
+        "The program is one of several loads, and begins or ends within a contour.",
+        "The machine waits in the kerf, generator off; the next load starts where it stands.",
+        "Load them in their order, and move nothing in between.",
+    ),
     "over-travel": Code(
         "The program moves farther than the table.",
         "The machine runs into its limit switches.",

@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from wedmcam.controllers import Stepping
-from wedmcam.diag import Diagnostic
+from wedmcam.diag import Diagnostic, note
 from wedmcam.ir.program import Kind, Program, in_um
 from wedmcam.judge.segments import Ints
-from wedmcam.judge.stretches import per_mm
+from wedmcam.judge.stretches import per_mm, place
 from wedmcam.judge.verdict import BlockTable, CutVerdict, Verdict
 from wedmcam.judge.walk import Walk, walk
 
@@ -63,7 +63,41 @@ def verdict_of_load(
         ),
         make_table=lambda: _table(verdict.table, before, last),
     )
-    return of_load, [_numbered(d, before, last) for d in findings]
+    told = [_numbered(d, before, last) for d in findings]
+    return of_load, [*told, _places(way, whole, load, before, last)]
+
+
+def _places(way: Walk, whole: Program, load: Program, before: int, last: int) -> Diagnostic:
+    """Return the note that says which blocks a load has, and where it begins and ends in the kerf.
+
+    Args:
+        way: of the whole program.
+        whole: that program.
+        load: as decoded.
+        before: how many blocks ran in earlier loads.
+        last: number of the last block of the load.
+    """
+    after = bool((whole.blocks["kind"][last:] < Kind.PAUSE).any())
+    x, y = way.start[before].tolist()
+    start = place(x, y, per_mm(whole))
+    x, y = way.end[last - 1].tolist()
+    end = place(x, y, per_mm(whole))
+    found = note(
+        "kerf-load",
+        "this load has blocks {first} to {last} of its program",
+        points_mm=tuple(p for p, there in ((start, before), (end, after)) if there),
+        first=before + 1,
+        last=last if after else before + len(load.blocks),
+    )
+    if before:
+        found = found.extended(
+            "; it starts in the kerf at {start}, where the load before it ends", start=start
+        )
+    if after:
+        found = found.extended(
+            "; it ends in the kerf at {end}: the machine waits there, generator off", end=end
+        )
+    return found.extended("; deviation, closure and gouge are those of all loads together")
 
 
 def _overlaps(cut: CutVerdict, before: int, last: int) -> bool:

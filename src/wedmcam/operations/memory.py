@@ -397,15 +397,18 @@ def _faults(image: Image, begin: int, end: int, seen: Recognition) -> list[Diagn
     at, blocks, _ = longest_run(data, end + 1, seen.format)
     if blocks < NO_CHANCE:
         return findings
-    where = "behind block {good}" if len(seen.starts) else "in the first block"
+    good = len(seen.starts)
     damaged = error(
         "image-damaged",
-        f"the data are damaged at {{address:#06x}}, {where}; {{blocks}} blocks follow each other "
-        "again from {next:#06x} on",
+        "the data are damaged at {address:#06x}, behind block {good}; {blocks} blocks follow each "
+        "other again from {next:#06x} on"
+        if good
+        else "the data are damaged at {address:#06x}, in the first block; {blocks} blocks follow "
+        "each other again from {next:#06x} on",
         image.span(address + end, address + end),
         hint="put right what stands between; --at {next:#06x} reads the blocks behind it",
         address=address + end,
-        good=len(seen.starts),
+        good=good,
         blocks=blocks,
         next=address + at,
     )

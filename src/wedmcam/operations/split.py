@@ -119,7 +119,7 @@ def in_the_kerf(load: Compilation) -> list[tuple[int, int]]:
     fit. Empty where the format has no program that begins in the kerf, or where that is not enough.
     """
     target = target_of(load.machine)
-    if target.needs_lead or load.program is None or load.lowered is None:
+    if target.whole_contours or load.program is None or load.lowered is None:
         return []
     sizes, end = block_sizes(load.program, load.machine)
     like = match_blocks(load.lowered, load.program, load.machine)
@@ -204,7 +204,7 @@ def _groups(whole: Compilation) -> list[tuple[int, int]]:
     out: list[tuple[int, int]] = []
     room = 0.0
     for k, more in enumerate(each.tolist()):
-        long = more > most and not target.needs_lead
+        long = more > most and not target.whole_contours
         if out and (more <= room or (long and room > line + arc)):
             out[-1] = (out[-1][0], k)
         else:

@@ -74,6 +74,11 @@ class Target(Protocol):
         ...
 
     @property
+    def whole_contours(self) -> str:
+        """Why no program begins or ends within a contour; empty where one can."""
+        ...
+
+    @property
     def stop_word(self) -> str:
         """The word that ends a program; empty where the format always ends one."""
         ...

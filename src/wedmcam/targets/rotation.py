@@ -32,6 +32,11 @@ class Rotation(Memory):
     turns: ClassVar[bool] = False
 
     @property
+    def whole_contours(self) -> str:
+        """See `Target`."""
+        return "the controller turns a figure as a whole"
+
+    @property
     def block_bytes(self) -> tuple[int, int]:
         """See `formats.rotation`."""
         from wedmcam.formats import rotation

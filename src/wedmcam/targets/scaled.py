@@ -32,6 +32,11 @@ class Scaled(Stated):
     instead: ClassVar[str] = "3b"
 
     @property
+    def whole_contours(self) -> str:
+        """See `Target`."""
+        return "the controller moves the outline of a whole contour by the gap"
+
+    @property
     def advice(self) -> tuple[Diagnostic, ...]:
         """See `Target`."""
         return (

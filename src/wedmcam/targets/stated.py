@@ -62,6 +62,11 @@ class Stated:
     turns: ClassVar[bool] = True
 
     @property
+    def whole_contours(self) -> str:
+        """See `Target`."""
+        return self.needs_lead
+
+    @property
     def stop_word(self) -> str:
         """See `Target`."""
         return self.machine.words.stop

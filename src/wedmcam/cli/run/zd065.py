@@ -186,7 +186,8 @@ def _told(seen: Recognition) -> str:
     """Return what was recognised as a line."""
     if seen.first is None or seen.last is None:
         return seen.reason
-    return f"{seen.reason}; {seen.first:#06x} to last address {seen.last:#06x}"
+    places = f"{seen.reason}; {seen.first:#06x} to last address {seen.last:#06x}"
+    return places if seen.bad is None else f"{places}; {seen.bad:#06x} does not fit"
 
 
 def _moved(move: Move | None) -> dict[str, Any]:

@@ -56,8 +56,7 @@ def test_every_end_is_within_a_um(seed, largest):
             most = min(359.9, np.degrees(900_000 / size))
             rows.append((Kind.ARC, random.uniform(0, 360), size, random.choice([-1, 1]),
                          random.uniform(0.01, most)))  # fmt: skip
-    path = chain(rows)
-    check(path)
+    check(chain(rows))
 
 
 @pytest.mark.parametrize("radius", [2, 5, 1_000, 176_776, 176_777, 1_000_000])

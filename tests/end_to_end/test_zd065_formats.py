@@ -54,11 +54,14 @@ def test_compensation_of_a_tangent_outline(degrees, side, offset):
     assert made.summary["max_deviation_um"] <= 2
     proof = api.verify(made.data, against=rounded(degrees), name="a.zdc", offset=offset, side=side)
     assert proof.ok, proof.findings
-    # The outline is stated, so the same file is right for another gap.
+    # The outline is stated, so the same file is right for another gap; the writer sees to the
+    # limits of 1.6 and 2 um for the gap that it is compiled for.
     proof = api.verify(
         made.data, against=rounded(degrees), name="a.zdc", offset=offset + 0.05, side=side
     )
-    assert proof.ok, proof.findings
+    errors = [d for d in proof.findings if d.severity == 2]
+    assert {d.code for d in errors} <= {"gouge"}
+    assert all(d.values["depth_mm"] <= 0.002 for d in errors)
 
 
 def test_corners_are_refused_unless_rounded():

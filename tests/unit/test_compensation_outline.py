@@ -132,8 +132,9 @@ def test_refusals():
 
 
 def run(*args):
-    result = CliRunner().invoke(cli, [str(a) for a in args])
-    return result.exit_code, result.output
+    result = CliRunner().invoke(cli, [str(a) for a in args], standalone_mode=False)
+    wrong_use = result.exception is not None
+    return 2 if wrong_use else result.return_value, result.output
 
 
 def test_the_command_line(tmp_path):
@@ -145,7 +146,7 @@ def test_the_command_line(tmp_path):
     status, said = run("verify", zdc, "--gap", "0.08", "--corner", "0.1", "--against", dxf)
     assert status == 0, said
     assert run("verify", zdc, "--gap", "0.1")[0] == 0
-    assert run("verify", zdc, "--gap", "0.1", "--corner", "0.05")[0] == 1
+    assert run("verify", zdc, "--gap", "0.1", "--corner", "0.05")[0] == 2
     status, said = run("convert", zdc, "-o", zd, "--gap", "0.08", "--corner", "0.1")
     assert status == 0, said
     status, said = run(

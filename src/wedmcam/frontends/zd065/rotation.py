@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers.zd065.data import POLAR, cutting_blocks, displacements
-from wedmcam.controllers.zd065.loop import EXACT, follow
-from wedmcam.controllers.zd065.rotation import rotate
+from wedmcam.controllers.zd065.rotation import rotate, rotate_closed
 from wedmcam.diag import Diagnostic, FileSpan, Severity, warning
 from wedmcam.formats import compact, rotation
 from wedmcam.formats.lengths import mm_of
@@ -119,14 +118,7 @@ def _process(
         blocks = rotate(figure, copies, step)
         blocks["source"] = np.arange(len(blocks))
         return blocks
-    rows = np.tile(figure, copies + 1)
-    rows["start"] = (rows["start"] + step * np.repeat(np.arange(copies + 1), len(figure))) % 360.0
-    ends = np.cumsum(displacements(rows))
-    path = np.zeros(len(rows), dtype=EXACT)
-    for name in ("kind", "turn", "sweep", "start"):
-        path[name] = rows[name]
-    path["radius"], path["x"], path["y"] = rows["size"], ends.real, ends.imag
-    return follow(path).blocks.copy()
+    return rotate_closed(figure, copies, step).blocks.copy()
 
 
 def _drift(figure: NDArray[np.void], copies: int, step: float, file: str) -> list[Diagnostic]:

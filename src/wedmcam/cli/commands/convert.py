@@ -67,8 +67,8 @@ def convert_command(
     """One program format into another, from the path that its controller steps.
 
     The result is decoded again and must be the same path within 1 um (rotation: 2 um), else nothing
-    is written. Exit status: 0 done, 1 the program cannot be read or the other format cannot state it, 3 the paths
-    differ.
+    is written. Exit status: 0 done, 1 the program cannot be read or the other format cannot state
+    it, 3 the paths differ.
     """
     target, machine, profile = _target(output, to, profile)
     if machine is None or not machine.iso.feed_um:

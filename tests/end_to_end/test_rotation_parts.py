@@ -308,3 +308,11 @@ def test_a_figure_that_does_not_close_is_said(tmp_path):
     assert "figure-drift" not in good.stderr
     done = run("convert", figure, "-o", tmp_path / "a.zd", "--copies", "5", "--angle", "60.01")
     assert "warning[figure-drift]: 6 figures of 60.01 degrees come round" in done.stderr
+
+
+def test_several_formats_at_once(tmp_path):
+    part = tmp_path / "gear.wed"
+    part.write_text(GEAR)
+    done = run("compile", part, "--to", "compact,rotation", "-o", tmp_path / "gear")
+    assert status(done) == 0, done.output
+    assert (tmp_path / "gear.zdr").exists()

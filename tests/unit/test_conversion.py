@@ -35,7 +35,8 @@ def codes(made):
 def test_golden_programs_become_every_format(name, to):
     made = convert.convert(GOLDEN / name, to=to, profile_in=WHOLE_UM.get(name))
     assert made.ok, codes(made)
-    assert made.difference.largest_um <= 1
+    # Between the vertices that a figure states the controller finds the arcs itself.
+    assert made.difference.largest_um <= (2 if to == "rotation" else 1)
     assert made.machine.format == to
 
 

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 #: How far the two step paths may be apart, um; a step where that is more.
 WITHIN_UM = 1.0
+#: And where the controller makes the path between the vertices that a program states (rotation).
+MADE_WITHIN_UM = 2.0
 
 #: In how many parts an arc is written in the part language, at most.
 MOST_PIECES = 16
@@ -254,7 +256,9 @@ def between(
     findings += [d for d in problems if d.severity is Severity.ERROR]
     if has_errors(findings):
         return None, other, None, findings
-    within = WITHIN_UM * max(1.0, program.step_um)
+    within = (MADE_WITHIN_UM if target.makes_path and not target.takes_gap else WITHIN_UM) * max(
+        1.0, program.step_um
+    )
     apart = difference(program, other, stepping, machine.stepping, within)
     if not apart.equal:
         findings.append(_differs(machine.format, program, apart))

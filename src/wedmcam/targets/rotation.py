@@ -19,7 +19,7 @@ from wedmcam.machines import Machine
 from wedmcam.targets.entries import MOST_COPIES, Entries
 from wedmcam.targets.stated import Memory
 from wedmcam.targets.turned import Turned, turned_of
-from wedmcam.transforms.repeat import SAME_UM, Repeat, find_repeat
+from wedmcam.transforms.repeat import SAME_UM, find_repeat
 
 if TYPE_CHECKING:
     from wedmcam.transforms.lower import Rules
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 class Rotation(Memory):
     """The ZD-065's rotation format."""
 
+    #: It goes to the vertices of the figure by arcs that it finds itself.
+    makes_path: ClassVar[bool] = True
     #: An angle of more than a turn is none.
     turns: ClassVar[bool] = False
 
@@ -134,14 +136,11 @@ def _figure_note(turned: Turned, plan: Plan) -> Diagnostic:
     """Say what was found to repeat, and how near to the drawing the stated figure is."""
     repeat, order = turned.repeat, turned.order
     centre = Place.of_um(*repeat.centre)
-    text = (
-        "the path repeats {times} times about {centre}: one figure of {blocks} blocks is written, "
-        "{angle_deg:.8g} degrees from copy to copy; its vertices lie within {off_um:.2f} um of "
-        "the drawing's, and it closes within {drift_um:.4f} um (limit {limit_um:.4f} um)"
-    )
     told = note(
         "figure-repeated",
-        text,
+        "the path repeats {times} times about {centre}: one figure of {blocks} blocks is written, "
+        "{angle_deg:.8g} degrees from copy to copy; its vertices lie within {off_um:.2f} um of "
+        "the drawing's, and it closes within {drift_um:.4f} um (limit {limit_um:.4f} um)",
         plan.cuts[0].path.source_of(0),
         points_mm=(centre,),
         hint="enter {copies} copies, {angle_deg:.8g} degrees and the two leads at the controller",
@@ -176,45 +175,39 @@ def _alone(plan: Plan) -> list[Diagnostic]:
     if not found:
         return []
     _, _, less, repeat = max(found, key=lambda row: row[:3])
-    why, hint = _why_alone(plan, repeat, -less)
     centre = Place.of_um(*repeat.centre)
     told = note(
         "not-repeated",
         "cut {cut} repeats {times} times about {centre}, and is written without copies: ",
         plan.cuts[-less - 1].path.source_of(0),
         points_mm=(centre,),
-        hint=hint,
         cut=-less,
         times=repeat.order,
         centre=centre,
     )
-    return [
-        told.extended(
-            why, off_um=repeat.off_um, same_um=SAME_UM, most=MOST_COPIES, cuts=len(plan.cuts)
-        )
-    ]
-
-
-def _why_alone(plan: Plan, repeat: Repeat, number: int) -> tuple[str, str]:
-    cut = plan.cuts[number - 1]
+    cut = plan.cuts[-less - 1]
     if not repeat.repeats:
-        return (
+        told = told.extended(
             "its copies lie up to {off_um:.2f} um from their mean (limit {same_um:g} um)",
-            "draw one figure and copy it",
-        )
-    if len(plan.cuts) > 1:
-        return (
+            off_um=repeat.off_um,
+            same_um=SAME_UM,
+        ).with_hint("draw one figure and copy it")
+    elif len(plan.cuts) > 1:
+        told = told.extended(
             "one figure and its copies hold one cut, and the program has {cuts}",
-            "--cuts {cut} makes a file of this cut alone",
+            cuts=len(plan.cuts),
+        ).with_hint("--cuts {cut} makes a file of this cut alone")
+    elif cut.stop_um or cut.overcut_um:
+        told = told.extended("a stop or an overcut stands in the last copy alone").with_hint(
+            "--stop 0 --overcut 0 gives them up"
         )
-    if cut.stop_um or cut.overcut_um:
-        return (
-            "a stop or an overcut stands in the last copy alone",
-            "--stop 0 --overcut 0 gives them up",
-        )
-    if not repeat.orders(MOST_COPIES + 1):
-        return (
+    elif not repeat.orders(MOST_COPIES + 1):
+        told = told.extended(
             "the controller makes up to {most} copies, and no part of them is a figure of several",
-            "--split writes several loads where the memory is too small",
+            most=MOST_COPIES,
+        ).with_hint("--split writes several loads where the memory is too small")
+    else:
+        told = told.extended("no figure of it closes with whole lengths and proves").with_hint(
+            "--to compact"
         )
-    return "no figure of it closes with whole lengths and proves", "--to compact"
+    return [told]

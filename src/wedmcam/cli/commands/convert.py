@@ -40,9 +40,9 @@ from wedmcam.cli.settings import ReadsPrograms
 def convert_command(**params: Any) -> int:
     """One program format into another, from the path that its controller steps.
 
-    The result is decoded again and must be the same path within 1 um, else nothing is written. Exit
-    status: 0 done, 1 the program cannot be read or the other format cannot state it, 3 the paths
-    differ.
+    The result is decoded again and must be the same path within 1 um (rotation: 2 um), else nothing
+    is written. Exit status: 0 done, 1 the program cannot be read or the other format cannot state
+    it, 3 the paths differ.
     """
     from wedmcam.cli.run.convert import run_convert
 

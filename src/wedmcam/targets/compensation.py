@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag import Diagnostic, Severity, error, has_errors, note
+from wedmcam.formats import compact
 from wedmcam.formats import compensation as rows
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
@@ -62,8 +63,6 @@ class Compensation(Scaled, Memory):
     @property
     def block_bytes(self) -> tuple[int, int]:
         """See `formats.compensation`."""
-        from wedmcam.formats import compact
-
         return compact.LINE_BYTES, rows.ARC_BYTES
 
     @property

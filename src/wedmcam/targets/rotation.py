@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
 from wedmcam.diag import Diagnostic, Place, note
+from wedmcam.formats import rotation
 from wedmcam.geom.quantize import to_grid
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
@@ -41,8 +42,6 @@ class Rotation(Memory):
     @property
     def block_bytes(self) -> tuple[int, int]:
         """See `formats.rotation`."""
-        from wedmcam.formats import rotation
-
         return rotation.LINE_BYTES, rotation.ARC_BYTES
 
     @property

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, Place, error
+from wedmcam.diag import Diagnostic, Place
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Floats, Ints, Segments
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.ir.program import BLOCK, Kind, Program, Role
 from wedmcam.ir.programmed import PROGRAMMED, Programmed
 from wedmcam.transforms.outlines.grid import Grid, put_on_grid
+from wedmcam.transforms.outlines.refusals import refusal
 from wedmcam.transforms.outlines.starts import foot_of, open_at, start_beside
 
 #: A pause may stand so far from where it was asked for, um; the judge allows 5.
@@ -144,38 +145,25 @@ class _Builder:
         return Outlines(Programmed(program, mark, motions), ends, chosen)
 
 
-def _refusal(cut: Cut, code: str, hint: str) -> Diagnostic:
-    """Return an error about a cut, which says what is wrong where it is ``extended``."""
-    thread = Place.of_um(*cut.thread)
-    return error(
-        code,
-        "the contour that is threaded at {thread}: ",
-        cut.path.source_of(0),
-        points_mm=(thread,),
-        hint=hint,
-        thread=thread,
-    )
-
-
 def _outline(
     cut: Cut, offset: float, d: int, run: int, grid: Grid, bans: Sequence[tuple[int, ...]]
 ) -> tuple[list[tuple[Blocks, Ints, bool]] | None, list[Diagnostic]]:
     """Return the motions of a cut as (motions, chosen, pause behind them), with leads."""
     outline = cut.outline
     if outline is None or outline.closed != cut.path.closed:
-        refusal = _refusal(
+        fault = refusal(
             cut, "compensation-lost", "a profile that does not leave the offset to the controller"
         ).extended(
             "the wire path is only a part of its outline, which the controller cannot offset"
         )
-        return None, [refusal]
+        return None, [fault]
     v = cut.path.vertices
     wx, wy = float(v["x"][0]), float(v["y"][0])
     if outline.closed:
         s = seg.of_rows(outline.starts, outline.ends)
         foot = foot_of(s, wx, wy, offset, True)
         if foot is None:
-            refusal = _refusal(
+            fault = refusal(
                 cut,
                 "compensation-lead",
                 "another thread point (--start), beside a line or an arc of the outline",
@@ -183,7 +171,7 @@ def _outline(
                 "the wire path starts on the arc round a corner, where the first and the last "
                 "block of the outline have no common normal",
             )
-            return None, [refusal]
+            return None, [fault]
         outline = open_at(outline, s, foot)
     else:
         ends = [np.hypot(outline.vertices[k]["x"] - wx, outline.vertices[k]["y"] - wy)
@@ -227,7 +215,7 @@ def _lead_errors(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
     tx, ty = _heading(rows[0])
     length = float(np.hypot(sx - x, sy - y))
     if length < abs(shift):
-        refusal = _refusal(
+        fault = refusal(
             cut, "compensation-lead", "a thread point farther away (--start), or a longer --lead"
         ).extended(
             "its lead to the outline at {start} is {lead_mm:.3f} mm long, shorter than the offset "
@@ -236,11 +224,11 @@ def _lead_errors(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
             lead_mm=length / 1000,
             offset_mm=abs(shift) / 1000,
         )
-        return [refusal]
+        return [fault]
     left = tx * (y - sy) - ty * (x - sx)
     # From below the height of the wire the lead would cut into what is kept beside the start.
     if left * np.sign(shift) < abs(shift) - 1.0 and cut.path.closed:
-        refusal = _refusal(
+        fault = refusal(
             cut,
             "compensation-lead",
             "a thread point farther away from the contour, over the place where it starts",
@@ -249,7 +237,7 @@ def _lead_errors(cut: Cut, rows: Blocks, shift: float) -> list[Diagnostic]:
             "beside the start",
             start=Place.of_um(sx, sy),
         )
-        return [refusal]
+        return [fault]
     return []
 
 
@@ -279,12 +267,12 @@ def _part_at_pause(
     )
     foot = foot_of(s, x, y, offset, False)
     if foot is None:
-        refusal = _refusal(cut, "compensation-place", "another length of --stop").extended(
+        fault = refusal(cut, "compensation-place", "another length of --stop").extended(
             "the pause of --stop at {pause} is on the arc round a corner, and the controller has "
             "no block inside that arc",
             pause=Place.of_um(x, y),
         )
-        return None, [refusal]
+        return None, [fault]
     # Of the places around one that its segment passes as nearly as can be.
     one = s.take(np.array([foot.row]))
     tried = foot.at + np.array(sorted(np.arange(-PAUSE_UM, PAUSE_UM + 0.1), key=abs))

@@ -12,13 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, Place, error
+from wedmcam.diag import Diagnostic
 from wedmcam.geom import segments as seg
 from wedmcam.geom.segments import Segments
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Cut, Plan
 from wedmcam.transforms.compensate import compensate
 from wedmcam.transforms.outlines.grid import Grid
+from wedmcam.transforms.outlines.refusals import refusal
 from wedmcam.transforms.outlines.starts import Foot, foot_of, start_beside
 from wedmcam.transforms.plan import leads
 
@@ -85,23 +86,21 @@ def _moved(path: Contour, dx: float, dy: float) -> Contour:
 def _on_outline(cut: Cut) -> Cut | Diagnostic:
     outline = cut.cornered or cut.outline
     if outline is None or not (outline.closed and cut.path.closed):
-        return _refusal(
-            cut,
-            "compensation-lost",
-            "the contour that is threaded at {thread} is open, or its wire path is only a part of "
-            "its outline: the controller would offset something else",
-            "--to compact: it states the path",
+        return refusal(cut, "compensation-lost", "--to compact: it states the path").extended(
+            "it is open, or its wire path is only a part of its outline: the controller would "
+            "offset something else"
         )
     s = seg.of_rows(outline.starts, outline.ends)
     v = cut.path.vertices
     foot = foot_of(s, float(v["x"][0]), float(v["y"][0]), abs(cut.offset_um), True)
     if foot is None:
-        return _refusal(
+        return refusal(
             cut,
             "compensation-lead",
-            "the contour that is threaded at {thread}: the wire path starts at a corner of the "
-            "outline, and the controller starts beside a segment",
             "another thread point (--start), beside a line or an arc of the outline",
+        ).extended(
+            "the wire path starts at a corner of the outline, and the controller starts beside a "
+            "segment"
         )
     path = leads.start_at(outline, s, foot.row, foot.at, 0.0)
     p, q = (seg.of_rows(c.starts, c.ends) for c in (cut.path, path))
@@ -110,23 +109,17 @@ def _on_outline(cut: Cut) -> Cut | Diagnostic:
     if stop:
         at = _beside(cut, p, q, float(p.length.sum()) - stop)
         if at is None:
-            return _refusal(
-                cut,
-                "compensation-place",
-                "the contour that is threaded at {thread}: its pause (--stop) is at a corner of "
-                "the outline, and the controller has no block inside the arc there",
-                "another length of --stop",
+            return refusal(cut, "compensation-place", "another length of --stop").extended(
+                "its pause (--stop) is at a corner of the outline, and the controller has no block "
+                "inside the arc there"
             )
         stop = total - at
     if overcut:
         at = _beside(cut, p, q, overcut)
         if at is None:
-            return _refusal(
-                cut,
-                "compensation-place",
-                "the contour that is threaded at {thread}: its overcut ends at a corner of the "
-                "outline, and the controller has no block inside the arc there",
-                "another length of --overcut",
+            return refusal(cut, "compensation-place", "another length of --overcut").extended(
+                "its overcut ends at a corner of the outline, and the controller has no block "
+                "inside the arc there"
             )
         overcut = at
     return replace(cut, path=path, stop_um=stop, overcut_um=overcut)
@@ -142,10 +135,3 @@ def _beside(cut: Cut, path: Segments, outline: Segments, at: float) -> float | N
     if foot is None:
         return None
     return float(outline.length[: foot.row].sum()) + foot.at
-
-
-def _refusal(cut: Cut, code: str, message: str, hint: str) -> Diagnostic:
-    thread = Place.of_um(*cut.thread)
-    return error(
-        code, message, cut.path.source_of(0), points_mm=(thread,), hint=hint, thread=thread
-    )

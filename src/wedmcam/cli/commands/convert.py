@@ -15,6 +15,7 @@ from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import ReadsPrograms
 from wedmcam.cli.settings.profiles import machine_for, profile_for
 from wedmcam.cli.terminal import print_findings, print_json, print_text
+from wedmcam.diag import option_texts
 from wedmcam.formats.names import FORMAT_OF_SUFFIX
 from wedmcam.judge.certificate import finding_data
 from wedmcam.machines import Machine
@@ -42,6 +43,14 @@ from wedmcam.targets import Entries
     default="part",
     help="Of such a file: part outwards, die inwards.",
 )
+@click.option(
+    "--transform",
+    "transforms",
+    multiple=True,
+    metavar="TEXT",
+    help="Write images of the program, which starts at (0, 0): such as 'translate (10, 0) copies "
+    "5', 'with symmetry x', 'rotate 10 copies 35 about (0, 0)', lengths in mm; repeat, in order.",
+)
 @ask.d_option
 @ask.reading_options
 @ask.feed_option
@@ -59,6 +68,7 @@ def convert_command(
     angle: float,
     gap_um: float | None,
     side: str,
+    transforms: tuple[str, ...],
     d: tuple[tuple[int, float], ...],
     feed_um: float | None,
     json_: bool,
@@ -68,7 +78,9 @@ def convert_command(
 ) -> int:
     """One program format into another, from the path that its controller steps.
 
-    The result is decoded again and must be the same path within 1 um, else nothing is written. Exit
+    The result is decoded again and must be the same path within 1 um, else nothing is written. With
+    --transform it is that of the images, each of whose vertices is stepped within 1 um of the exact
+    one; an image that starts elsewhere is reached with the generator off, between pauses. Exit
     status: 0 done, 1 the program cannot be read or the other format cannot state it, 3 the paths
     differ.
     """
@@ -93,10 +105,12 @@ def convert_command(
             name=name,
             strict=strict,
             entered=Entries(copies, angle, gap_um, side == "part", d),
+            transforms=transforms,
             feed_um=feed_um,
             **ask.answers_of(params),
         )
-    print_findings(conversion.findings, name, quiet)
+    typed = option_texts("--transform", transforms)
+    print_findings(conversion.findings, name, quiet, dict(typed))
     if conversion.data is None:
         print_nothing_written(output)
     else:
@@ -105,6 +119,8 @@ def convert_command(
             as_set = machine_in is not None and not (profile_in or format_)
             read_as = f"; read as {conversion.machine_in.name}" if as_set else ""
             print_text(_line(conversion, output, target) + read_as, err=True)
+            for what, text in conversion.images.lines() if conversion.images else ():
+                print_text(f"{what:<10} {text}", err=True)
     if json_:
         print_json(_summary(conversion, program, output, target))
     return conversion.status
@@ -158,6 +174,7 @@ def _summary(
         "blocks": len(conversion.program_out.blocks)
         if conversion.program_out is not None
         else None,
+        "images": conversion.images.as_data() if conversion.images else None,
         "largest_um": round(apart.largest_um, 3) if apart and apart.equal else None,
         "diagnostics": [finding_data(d) for d in conversion.findings],
         "ok": conversion.ok,

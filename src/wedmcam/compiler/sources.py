@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.arithmetic import FLOAT64, Arithmetic
-from wedmcam.diag import Diagnostic, option_texts
+from wedmcam.diag import Diagnostic
 from wedmcam.diag.run import Run, WrongUse
 from wedmcam.ir.contour import Contour
 from wedmcam.ir.plan import Plan
@@ -218,12 +218,11 @@ def _transforms(transforms: Sequence[str], run: Run) -> list[Any]:
     """Return what ``--transform`` says, parsed."""
     if not transforms:
         return []
-    from wedmcam.frontends.wed import parse_transform
+    from wedmcam.frontends.wed import parse_transforms
 
-    texts = option_texts("--transform", transforms)
-    parsed = [parse_transform(text, name) for name, text in texts.items()]
-    run.add("transform", [d for _, findings in parsed for d in findings])
-    return [t for t, _ in parsed if t is not None]
+    parsed, findings = parse_transforms(transforms)
+    run.add("transform", findings)
+    return list(parsed)
 
 
 def _transform(

@@ -426,6 +426,26 @@ CODES: dict[str, Code] = {
         "They are cut counter-clockwise whatever way they were drawn: it changes nothing.",
         "Use --reverse to cut clockwise.",
     ),
+    "image-split": Code(
+        "Arcs of an image of a program were written as several blocks.",
+        "The path is the same; at their joints the controller goes on without a stop.",
+        "Nothing is needed.",
+    ),
+    "transform-idle": Code(
+        "A transform of a program changes none of its numbers.",
+        "Blocks state no place: the whole program is moved by threading the wire elsewhere.",
+        "Thread the wire where it is said; or ask for copies.",
+    ),
+    "pause-reversed": Code(
+        "A pause before the end of a contour, in an image that is run in reverse.",
+        "It comes behind the start there, and the machine does not stop before the piece is loose.",
+        "Hold the piece in the image by hand, or transform the drawing and compile it.",
+    ),
+    "transform-differs": Code(
+        "A program made of images does not step the vertices of the exact transform within 1 um.",
+        "It would cut another part; it is not written.",
+        "Transform the drawing or the part program, and report this.",
+    ),
     # --- wire path: compensation, leads, order ---------------------------------------------
     "no-offset": Code(
         "no offset was given, so the wire's centre runs on the drawn line",

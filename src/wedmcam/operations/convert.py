@@ -2,7 +2,8 @@
 
 Nothing is translated word by word. The program is decoded, its blocks are made anew for the other
 controller (`programs.reblock`), written, decoded again and compared as a step path with the first
-program. What is farther off than 1 um is not written.
+program. What is farther off than 1 um is not written. With transforms it is the program of the
+images of the first one that is written (`operations.moved`).
 
 `OUTPUTS` holds what is no program for a controller and can still be made of one (a picture, a
 drawing, source text). To add one: a line there, its ending in `SUFFIXES`, and a function
@@ -34,6 +35,7 @@ from wedmcam.targets import Entries, target_of
 
 if TYPE_CHECKING:
     from wedmcam.judge.difference import Difference
+    from wedmcam.operations.moved import Images
 
 #: How far the two step paths may be apart, um; a step where that is more.
 WITHIN_UM = 1.0
@@ -54,6 +56,9 @@ OUTPUTS: dict[str, str] = {
 #: Endings of their names.
 SUFFIXES: dict[str, str] = {".svg": "svg", ".dxf": "dxf", ".wed": "wed"}
 
+#: Findings with which an output is no input error, but fails its proof.
+_NOT_PROVEN = frozenset({"conversion-differs", "transform-differs"})
+
 Writer = Callable[[Program, Machine, str], tuple[bytes, list[Diagnostic]]]
 
 
@@ -69,6 +74,7 @@ class Conversion:
         machine: the profile of the other; None for an output that is no program.
         difference: of the two step paths; None when it did not come so far.
         findings: everything that was found.
+        images: what transforms made of the first program; None where there are none.
     """
 
     data: bytes | None
@@ -78,6 +84,7 @@ class Conversion:
     machine: Machine | None
     difference: Difference | None
     findings: tuple[Diagnostic, ...]
+    images: Images | None = None
 
     @property
     def ok(self) -> bool:
@@ -90,7 +97,7 @@ class Conversion:
         if self.ok:
             return 0
         differs = self.difference is not None and not self.difference.equal
-        return 3 if differs or any(d.code == "conversion-differs" for d in self.findings) else 1
+        return 3 if differs or any(d.code in _NOT_PROVEN for d in self.findings) else 1
 
 
 def output_of(name: str) -> str | None:
@@ -128,8 +135,10 @@ def convert(
         entered: copies and angle of a rotation file, gap and side of a compensation file, read or
             written.
         **more: ``feed_um``, the cutting speed, um a minute, for a profile that writes F (the
-            profile's where it is left out); and of an ISO program, as for `wedmcam.read_program`,
-            ``units_in``, ``whole_in``, ...
+            profile's where it is left out); ``transforms``, texts in the part language, one after
+            the other (lengths in mm, the program starts at (0, 0)): the images are written, with
+            every vertex as stepped within 1 um of the exact one; and of an
+            ISO program, as for `wedmcam.read_program`, ``units_in``, ``whole_in``, ...
 
     Raises:
         WrongUse: an unknown format or profile.
@@ -140,7 +149,7 @@ def convert(
     '01 01 70 00 00 50 00 00'
     """
     entries = entered or Entries()
-    feed_um = more.pop("feed_um", None)
+    feed_um, transforms = more.pop("feed_um", None), more.pop("transforms", ())
     program, machine_in, read_findings = read_program(
         source, profile=profile_in, format=format, name=name, entered=entries, **more
     )
@@ -149,7 +158,14 @@ def convert(
     entries.check(machine_in.format, machine.format if machine else to or "")
     stays = machine is not None and target_of(machine).takes_gap
     findings = list(read_findings) if to == "svg" else _of_reader(read_findings, stays)
-    data = other = apart = None
+    data = other = apart = images = None
+    first = program
+    if program is not None and transforms and not has_errors(findings):
+        from wedmcam.operations.moved import images_of
+
+        images, problems = images_of(program, machine_in, transforms, machine)
+        program = images.program if images else None
+        findings += problems
     if program is None or has_errors(findings):
         pass  # the reader says why
     elif output:
@@ -158,16 +174,25 @@ def convert(
     elif machine is not None:
         outline = stays and not entries.gap_um
         senses = target_of(machine_in).senses(bytes_of(source, name)[0]) if outline else None
+        if images is not None and senses is not None:
+            from wedmcam.operations.moved import senses_of
+
+            senses = senses_of(images, senses)
         data, other, apart, problems = between(
             program, machine_in, machine, entries, senses, feed_um
         )
         findings += problems
         if data is not None and profile is None:
             findings += machines.unnamed(machine)
+    if images is not None and program is not None and data is not None:
+        from wedmcam.operations.moved import measured
+
+        written = (other or program, (machine or machine_in) if other else machine_in)
+        images, problems = measured(images, written[0], written[1].stepping)
+        findings += problems
     stopped = has_errors(findings) or (strict and _has_warnings(findings))
-    return Conversion(
-        None if stopped else data, program, other, machine_in, machine, apart, tuple(findings)
-    )
+    data = None if stopped else data
+    return Conversion(data, first, other, machine_in, machine, apart, tuple(findings), images)
 
 
 def _of_reader(read_findings: Sequence[Diagnostic], stays: bool) -> list[Diagnostic]:

@@ -31,6 +31,14 @@ from wedmcam.cli.settings import ReadsPrograms
     type=length("corner_um"),
     help="Radius of the arcs at corners of a compensation file; the gap where it is left out.",
 )
+@click.option(
+    "--transform",
+    "transforms",
+    multiple=True,
+    metavar="TEXT",
+    help="Write images of the program, which starts at (0, 0): such as 'translate (10, 0) copies "
+    "5', 'with symmetry x', 'rotate 10 copies 35 about (0, 0)', lengths in mm; repeat, in order.",
+)
 @ask.d_option
 @ask.reading_options
 @ask.feed_option
@@ -41,8 +49,10 @@ def convert_command(**params: Any) -> int:
     """One program format into another, from the path that its controller steps.
 
     The result is decoded again and must be the same path within 1 um (rotation: 2 um), else nothing
-    is written. Exit status: 0 done, 1 the program cannot be read or the other format cannot state
-    it, 3 the paths differ.
+    is written. With --transform it is that of the images, each of whose vertices is stepped within
+    1 um of the exact one; an image that starts elsewhere is reached with the generator off, between
+    pauses. Exit status: 0 done, 1 the program cannot be read or the other format cannot state it, 3
+    the paths differ.
     """
     from wedmcam.cli.run.convert import run_convert
 

@@ -14,6 +14,7 @@ from wedmcam.cli.outputs import check_names, check_terminal, print_nothing_writt
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings.profiles import machine_for, profile_for
 from wedmcam.cli.terminal import print_findings, print_json, print_text
+from wedmcam.diag import option_texts
 from wedmcam.formats.names import FORMAT_OF_SUFFIX
 from wedmcam.judge.certificate import finding_data
 from wedmcam.machines import Machine
@@ -49,10 +50,12 @@ def run_convert(
             name=name,
             strict=params["strict"],
             entered=_entries(params),
+            transforms=params["transforms"],
             feed_um=params["feed_um"],
             **ask.answers_of(params),
         )
-    print_findings(conversion.findings, name, params["quiet"])
+    typed = option_texts("--transform", params["transforms"])
+    print_findings(conversion.findings, name, params["quiet"], dict(typed))
     if conversion.data is None:
         print_nothing_written(output)
     else:
@@ -61,6 +64,8 @@ def run_convert(
             as_set = machine_in is not None and not (params["profile_in"] or format_)
             read_as = f"; read as {conversion.machine_in.name}" if as_set else ""
             print_text(_line(conversion, output, target) + read_as, err=True)
+            for what, text in conversion.images.lines() if conversion.images else ():
+                print_text(f"{what:<10} {text}", err=True)
     if params["json_"]:
         print_json(_summary(conversion, program, output, target))
     return conversion.status
@@ -123,6 +128,7 @@ def _summary(
         if conversion.program_out is not None
         else None,
         "largest_um": round(apart.largest_um, 3) if apart and apart.equal else None,
+        "images": conversion.images.as_data() if conversion.images else None,
         "diagnostics": [finding_data(d) for d in conversion.findings],
         "ok": conversion.ok,
     }

@@ -3,6 +3,6 @@
 ``grammars/wed.lark`` is the grammar; docs/language.md is the reference.
 """
 
-from wedmcam.frontends.wed.reader import parse_transform, read
+from wedmcam.frontends.wed.reader import parse_transform, parse_transforms, read
 
-__all__ = ["parse_transform", "read"]
+__all__ = ["parse_transform", "parse_transforms", "read"]

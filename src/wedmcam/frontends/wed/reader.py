@@ -99,6 +99,13 @@ def parse_transform(
     return (out[0] if len(out) == 1 else Stages(tuple(out))), []
 
 
+def parse_transforms(texts: Sequence[str]) -> tuple[list[Transform], list[Diagnostic]]:
+    """Return what ``--transform`` says, each time that it is given, and the mistakes."""
+    named = option_texts("--transform", texts)
+    parsed = [parse_transform(text, name) for name, text in named.items()]
+    return [t for t, _ in parsed if t is not None], [d for _, found in parsed for d in found]
+
+
 class _Reader:
     def __init__(self, source: Source, numbers: Numbers, defines: Sequence[str]) -> None:
         self.source = source

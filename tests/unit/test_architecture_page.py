@@ -1,35 +1,18 @@
 """ARCHITECTURE.md: the arc that it follows through the stages is followed here too."""
 
 import re
-import shlex
-import subprocess
-import sys
 from pathlib import Path
+
+from page_commands import run_page
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "ARCHITECTURE.md").read_text("utf-8")
 
 
-def _commands():
-    """Yield each command line with the lines of its output that the page shows."""
-    for block in re.findall(r"^```console\n(.*?)^```$", TEXT, re.S | re.M):
-        for part in re.split(r"^\$ ", block, flags=re.M)[1:]:
-            line, *shown = part.splitlines()
-            yield line, shown
-
-
 def test_the_commands_of_the_page_print_what_it_shows(tmp_path):
-    commands = list(_commands())
-    assert len(commands) >= 8
-    wedmcam = f"{shlex.quote(sys.executable)} -m wedmcam"
-    for line, shown in commands:
-        there = line.replace("/tmp", str(tmp_path))
-        command = re.sub(r"\bwedmcam (?=[a-z]+ )", f"{wedmcam} ", there)
-        ran = subprocess.run(["bash", "-c", command], cwd=ROOT, capture_output=True, text=True)
-        assert ran.returncode == 0, f"{line}: {ran.stderr}"
-        output = iter((ran.stdout + ran.stderr).splitlines())
-        for expected in shown:
-            assert expected in output, f"{line}: not printed, or in another order: {expected}"
+    for name in ("samples", "src"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    run_page("ARCHITECTURE.md", tmp_path, 8)
 
 
 def test_every_file_that_the_page_names_is_there():

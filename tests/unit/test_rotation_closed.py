@@ -1,53 +1,14 @@
 """Rotation in a closed loop: vertices as stepped against the figure in 50 digits."""
 
-import mpmath
 import numpy as np
 import pytest
 
+from polar_figures import figure_of, random_figure, vertices
 from wedmcam.controllers.pointwise import run
-from wedmcam.controllers.zd065.data import POLAR
 from wedmcam.controllers.zd065.rotation import exact_path, rotate, rotate_closed
 from wedmcam.ir.program import Kind
 
 SIZES = (30, 3_000, 100_000, 999_999)
-
-
-def figure_of(*rows):
-    out = np.zeros(len(rows), POLAR)
-    for k, row in enumerate(rows):
-        out[k] = row
-    return out
-
-
-def random_figure(random, n, largest, most_sweep=200.0):
-    """Return lines and arcs whose chords are at most about ``largest`` um."""
-    out = np.zeros(n, POLAR)
-    for k in range(n):
-        start = float(f"{random.uniform(0, 360):.8g}")
-        if random.random() < 0.4:
-            out[k] = (Kind.LINE, 0, start, int(random.uniform(1, largest)), 0.0)
-            continue
-        sweep = float(f"{np.exp(random.uniform(np.log(0.01), np.log(most_sweep))):.8g}")
-        radius = min(largest / np.radians(sweep), 10_000_000)
-        out[k] = (Kind.ARC, random.choice([-1, 1]), start, max(int(radius), 2), sweep)
-    return out
-
-
-def vertices(figure, copies, step):
-    """Return the stated vertices in 50 digits: arcs by their centres, unlike the machine."""
-    at, out = mpmath.mpc(0), []
-    with mpmath.workdps(50):
-        for k in range(copies + 1):
-            for row in figure:
-                start = mpmath.mpf(repr(float(row["start"]))) + k * mpmath.mpf(repr(step))
-                size, sweep = int(row["size"]), mpmath.mpf(repr(float(row["sweep"])))
-                here = size * mpmath.expjpi(start / 180)
-                if row["kind"] == Kind.ARC:
-                    at += here * (mpmath.expjpi(int(row["turn"]) * sweep / 180) - 1)
-                elif row["kind"] <= Kind.MOVE:
-                    at += here
-                out.append(complex(at))
-    return np.array(out)
 
 
 def misses(figure, copies, step):
@@ -67,11 +28,9 @@ def misses(figure, copies, step):
 @pytest.mark.parametrize("step", [3.6363636, 45.1234, 359.99999, 123.45678])
 def test_99_copies_stay_within_a_um(largest, step):
     random = np.random.default_rng(largest + int(step))
-    # Copies in a row, not about a centre, get as far as 20 m here: 8 digits of that are 1 um.
-    copies = 9 if step > 359 and largest > 100_000 else 99
-    stepped, computed = misses(random_figure(random, 4, largest), copies, step)
-    assert stepped.max() <= 1.0
-    assert computed.max() <= 0.25
+    stepped, computed = misses(random_figure(random, 4, largest), 99, step)
+    assert stepped.max() <= 0.9
+    assert computed.max() <= 0.2
 
 
 @pytest.mark.parametrize("sweep", [0.001, 1.0, 5.7, 90.0])
@@ -85,6 +44,13 @@ def test_a_radius_of_10_m_stays_within_a_um(sweep):
     arc = blocks["kind"] == Kind.ARC
     assert (np.hypot(blocks["x"], blocks["y"])[arc] <= 10_000_000).all()
     assert blocks["count"].max() <= 999_999
+
+
+def test_a_ring_of_10_m_in_100_copies_closes():
+    stepped, computed = misses(figure_of((Kind.ARC, 1, 0.0, 10_000_000, 3.6)), 99, 3.6)
+    assert stepped.max() <= 0.9
+    assert computed.max() <= 0.1
+    assert not rotate_closed(figure_of((Kind.ARC, 1, 0.0, 10_000_000, 3.6)), 99, 3.6).ends[-1].any()
 
 
 @pytest.mark.parametrize("radius", [2, 100, 176_000, 3_000_000])

@@ -2,22 +2,28 @@
 
 The precision is the paper's [S]; the order of the operations is ours [R]. `rotate` is the literal
 processing, each block by itself; `rotate_closed` computes where every vertex is, and makes blocks
-that arrive there. So that 8 digits last for R of 10 m and a hundred copies, an angle is whole
-degrees and a rest, and so is a length whole um and a rest of 8 digits.
+that arrive there. So that 8 digits last for R of 10 m and a hundred copies, angles, sines and
+lengths are whole units and a rest of 8 digits.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from wedmcam.controllers.zd065.data import Floats, Ints, cutting_blocks, decimals, whole
 from wedmcam.controllers.zd065.loop import EXACT, Followed, follow
 from wedmcam.decimal8 import Decimal8Array
 from wedmcam.ir.program import Kind
 
-#: Units of the rest of a length: 8 digits behind the point.
-_REST = 100_000_000
+#: A number of more than 8 digits: whole units, and a rest that has 8 digits of its own.
+Split = tuple[Ints, Decimal8Array]
+#: Units in a um of the rest of a length: 8 digits behind the point; and in a degree, with the half.
+_REST, _DEGREE = 100_000_000, 200_000_000
+#: Units in 1 of a sine, and um in a unit of a long length: 4 digits, so products are exact.
+_HEAD = 10_000
+#: Sines of whole degrees; of each the units and 8 digits of the rest are used.
+_TABLE = np.sin(np.radians(np.arange(360)))
 
 
 def rotate(figure: NDArray[np.void], copies: int = 0, step: float = 0.0) -> NDArray[np.void]:
@@ -60,9 +66,6 @@ def rotate(figure: NDArray[np.void], copies: int = 0, step: float = 0.0) -> NDAr
 def rotate_closed(figure: NDArray[np.void], copies: int = 0, step: float = 0.0) -> Followed:
     """Return cutting data of a figure and its copies whose vertices are within 1 um.
 
-    So it is for paths that stay within 10 m of their start: of what lies farther off 8 digits are
-    too few.
-
     Args:
         figure: dtype `POLAR`.
         copies: 0 to 99.
@@ -97,48 +100,54 @@ def exact_path(figure: NDArray[np.void], copies: int = 0, step: float = 0.0) -> 
     number = np.repeat(np.arange(copies + 1), len(figure))
     arc = rows["kind"] == Kind.ARC
     turn = np.where(arc, rows["turn"], 0).astype(np.int64)
+    start = (_angle(rows["start"]) + number * _angle(step)) % (360 * _DEGREE)
+    half = _angle(rows["sweep"]) // 2
     # The heading of a line, or of the chord: that needs no centre, which at R 10 m loses 2 um.
-    degree, rest = _degrees(rows["start"])
-    by, by_rest = _degrees(np.full(len(rows), step))
-    degree, rest = degree + number * by, rest + by_rest * decimals(number)
-    start = (degree + rest.to_float()) % 360.0
-    half, half_rest = _degrees(rows["sweep"] / 2.0)
-    degree, rest = degree + turn * (90 + half), rest + half_rest * decimals(turn)
-    quarters = np.floor((degree + rest.to_float()) / 90.0 + 0.5).astype(np.int64)
-    small = decimals(degree - 90 * quarters) + rest
-    # The chord is 2 R sin(sweep / 2).
-    sine = (decimals(half) + half_rest).sin(degrees=True)
-    length, length_rest = _times(2 * rows["size"], decimals(np.zeros(len(rows))), sine)
-    length = np.where(arc, length, rows["size"])
-    length_rest = length_rest * decimals(arc.astype(np.int64))
-    along = _fixed(*_times(length, length_rest, small.cos(degrees=True)))
-    across = _fixed(*_times(length, length_rest, small.sin(degrees=True)))
-    quarter, minus = quarters % 4, np.where(quarters % 4 >= 2, -1, 1)
-    odd = quarter % 2 == 1
-    x, y = minus * np.where(odd, -across, along), minus * np.where(odd, along, across)
+    cosine, sine = _turn(start + turn * (90 * _DEGREE + half))
+    um, rest = _times((2 * rows["size"], decimals(np.zeros(len(rows)))), _turn(half)[1])
+    chord = np.where(arc, um, rows["size"]), rest * decimals(arc.astype(np.int64))
     path = np.zeros(len(rows), EXACT)
-    path["kind"], path["turn"], path["start"] = rows["kind"], turn, start
-    path["x"], path["y"] = np.cumsum(x) / _REST, np.cumsum(y) / _REST
+    for name, factor in (("x", cosine), ("y", sine)):
+        path[name] = np.cumsum(_fixed(*_times(chord, factor))) / _REST
+    path["kind"], path["turn"], path["start"] = rows["kind"], turn, start / _DEGREE
     path["radius"], path["sweep"] = np.where(arc, rows["size"], 0), np.where(arc, rows["sweep"], 0)
     path["source"] = np.tile(np.arange(len(figure)), copies + 1)
     return path
 
 
-def _degrees(angle: Floats) -> tuple[Ints, Decimal8Array]:
-    """Return whole degrees and the rest, which has all digits of its own."""
-    degree = np.floor(angle)
-    return degree.astype(np.int64), decimals(np.round(angle - degree, 8))
+def _angle(degrees: ArrayLike) -> Ints:
+    """Return angles in units of `_DEGREE`, in which sums are exact."""
+    return np.rint(np.asarray(degrees, np.float64) * _DEGREE).astype(np.int64)
 
 
-def _times(um: Ints, rest: Decimal8Array, factor: Decimal8Array) -> tuple[Ints, Decimal8Array]:
-    """Return a length times a factor of -1 to 1, as whole um and a rest, um.
+def _turn(angle: Ints) -> tuple[Split, Split]:
+    """Return cosine and sine, each as units of 1e-4 and a rest.
 
-    The first 4 digits of each give whole um; what is left is small enough for 8 digits.
+    A table holds those of whole degrees; the part of a degree that is left changes them so little
+    that 8 digits of the change are 1e-10.
     """
-    ten = 10_000
-    head, high = whole(factor * ten), um // ten
-    tail = factor - decimals(head) / ten
-    return high * head, decimals(high * ten) * tail + (decimals(um % ten) + rest) * factor
+    degree = (angle + _DEGREE // 2) // _DEGREE
+    part = decimals((angle - degree * _DEGREE) / _DEGREE)
+    sine, fall = part.sin(degrees=True), (part / 2).sin(degrees=True) ** 2 * 2
+    c, s = (_TABLE[(degree + shift) % 360] for shift in (90, 0))
+    changes = -(decimals(c) * fall) - decimals(s) * sine, decimals(c) * sine - decimals(s) * fall
+    return _split(c, changes[0]), _split(s, changes[1])
+
+
+def _split(value: Floats, change: Decimal8Array) -> Split:
+    """Return a number of the table and a small change of it as units and a rest."""
+    head = np.rint((value + change.to_float()) * _HEAD).astype(np.int64)
+    return head, decimals(value - head / _HEAD) + change
+
+
+def _times(length: Split, factor: Split) -> Split:
+    """Return a length (um and rest) times a factor, as whole um and a rest.
+
+    The 4 digits in front of both give whole um; what is left is small enough for 8 digits.
+    """
+    (um, rest), (head, tail) = length, factor
+    high, low = um // _HEAD, decimals(um % _HEAD) + rest
+    return high * head, decimals(high * _HEAD) * tail + low * (decimals(head) / _HEAD + tail)
 
 
 def _fixed(um: Ints, rest: Decimal8Array) -> Ints:

@@ -12,8 +12,10 @@ import measure_claims as claims
 
 
 @pytest.mark.parametrize("radius", claims.RADII)
-def test_in_the_papers_case_every_rule_ends_within_some_um(radius):
-    assert max(claims.near_x_axis(radius, 100)) < 8
+def test_in_the_papers_case_x_and_the_square_end_within_some_um_and_y_within_some_30(radius):
+    on_x, on_y, square = claims.near_x_axis(radius, 1000)
+    assert max(on_x, square) < 5
+    assert 15 < on_y < 40
 
 
 @pytest.mark.parametrize("radius", claims.RADII)

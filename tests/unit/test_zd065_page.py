@@ -2,7 +2,6 @@
 
 from page_commands import ROOT, run_page
 
-
 #: What processes a figure literally is refused by the judge.
 REFUSED = (
     "wedmcam verify tooth.zdr --copies 23 --angle 15 --open-loop --against samples/gear.wed "

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from wedmcam.controllers.pointwise import run
 from wedmcam.controllers.zd065.loop import EXACT, follow
+from wedmcam.ir.program import Kind
 
 MOST_UM = 999_999
-from wedmcam.ir.program import Kind
 
 
 def chain(rows):
@@ -56,8 +56,7 @@ def test_every_end_is_within_a_um(seed, largest):
             most = min(359.9, np.degrees(900_000 / size))
             rows.append((Kind.ARC, random.uniform(0, 360), size, random.choice([-1, 1]),
                          random.uniform(0.01, most)))  # fmt: skip
-    path = chain(rows)
-    done = check(path)
+    check(chain(rows))
 
 
 @pytest.mark.parametrize("radius", [2, 5, 1_000, 176_776, 176_777, 1_000_000])

@@ -6,7 +6,7 @@ is tried by stepping until it arrives. So each vertex as stepped is within 1 um 
 ZD-065 did this [R]. What the exact vertices are is for the data processing to say, in its 8-digit
 arithmetic; the search for whole numbers here is proven by stepping, so float64 will do for it.
 
-Arcs are tried all at once; only those that no centre brings to their end are halved and tried again.
+Arcs are tried all at once; those that no centre brings to their end are halved and tried again.
 """
 
 from __future__ import annotations
@@ -40,10 +40,12 @@ EXACT = np.dtype(
 
 #: Sweep above which the centre comes of the polar angle of the start, degrees.
 LONG = 270.0
-#: How far the circle of a block may stray from the stated one between its ends, um.
-STRAY = 1.0
+#: How far the circle of a block may stray from the stated one between its ends, um: with the um of
+#: the steps and that of the ends it is to stay within 2 um of the drawing. A full circle in one
+#: block has but one end, and strays by what its centre is rounded.
+STRAY, RING_STRAY = 0.35, 1.0
 #: Where an arc stands less than this from its chord, and no centre fits, a line does, um.
-FLAT = 0.5
+FLAT = 0.25
 #: Candidate centres about the ideal one, um: the nearest 9, then the other 16 of 25.
 _GRID = np.array([(i, j) for i in range(-2, 3) for j in range(-2, 3)])
 _NEAR = np.abs(_GRID).max(axis=1) <= 1
@@ -110,7 +112,7 @@ def follow(
     >>> quarter[0] = (Kind.ARC, 1, -10_000.3, 10_000.3, 10_000.3, 90.0, 0.0, 0)
     >>> f = follow(quarter)
     >>> f.ends.tolist(), f.blocks["x"].tolist(), f.blocks["count"].tolist()
-    ([[-10000, 10000]], [10000], [14142])
+    ([[-10000, 10000]], [10000], [14143])
     """
     most = most or Most()
     left, split, parts = _whole_rows(path, start), np.zeros(len(path), np.bool_), []
@@ -221,7 +223,8 @@ def _arcs(
         swept[(ex == x) & (ey == y)] = 360.0
         usable &= np.abs(swept - sweep[left, None]) <= 90.0
         stray = _stray(pieces[left], ideal[left], centre)
-        cost = np.where(usable & (stray <= STRAY), stray, np.inf)
+        most_stray = np.where(sweep[left] >= 360.0, RING_STRAY, STRAY)[:, None]
+        cost = np.where(usable & (stray <= most_stray), stray, np.inf)
         best = np.argmin(cost, axis=1)
         at = np.arange(len(left)), best
         least[left] = cost[at]

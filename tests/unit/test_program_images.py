@@ -240,11 +240,28 @@ def test_outlines_stay_outlines():
         assert not same
 
 
+def test_outlines_with_a_gap_are_within_a_micron_or_refused():
+    # What the controller makes of an outline may end a um beside the path.
+    slot = b"B0B5003B10007GXNR4 B30000B0B30000GXL3 B0B5003B10007GXNR2 B30000B0B30000GXL1 DD"
+    made = []
+    for text in ("symmetry x", "rotate 30", "rotate 7", "translate (60, 0) copies 2"):
+        done = convert(slot, to="4b", format="3b", entered=Entries(gap_um=100.0), transforms=[text])
+        assert done.ok or done.status == 3
+        made.append(done.ok)
+        assert not done.ok or done.images.fit.largest_um <= 1.0
+    assert made[0]
+
+
 def test_turns_of_more_than_one_and_their_images():
     twice = b"B10000B0B100000GYNR1 DD"
     for text in ("rotate 10 copies 3", "reverse", "mirror 45", "with symmetry x"):
         done = convert(twice, to="compact", format="3b", transforms=[text])
         assert done.ok, (text, done.findings)
+    # Of 4 um: a um of radius is a large part of a turn.
+    small = compact((Kind.LINE, 0, 4224, 1365), (Kind.ARC, 1, -4, 0, 21))
+    turned = ["symmetry y", "rotate -25.511 about (9.803, -8.630) copies 4"]
+    done = convert(small, to="compact", format="compact", transforms=turned)
+    assert done.ok, done.findings
 
 
 def test_steps_of_other_lengths_and_exchanged_axes():
@@ -394,7 +411,7 @@ def test_the_judge_refuses_forgeries():
     less = replace(said, blocks=said.blocks[keep], image=said.image[keep])
     assert "turn as far" in judged(figure, transforms, less).wrong
     # Other bytes than were made.
-    assert "no block ends" in judged(figure, transforms, said, said.blocks[:-2]).wrong
+    assert "do not end within" in judged(figure, transforms, said, said.blocks[:-2]).wrong
 
 
 def test_what_the_judge_refuses_is_not_written():

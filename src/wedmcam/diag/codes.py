@@ -444,7 +444,8 @@ CODES: dict[str, Code] = {
     "transform-differs": Code(
         "A program made of images does not step the vertices of the exact transform within 1 um.",
         "It would cut another part; it is not written.",
-        "Transform the drawing or the part program, and report this.",
+        "Convert to .zd or .3b: outlines with a gap can miss a vertex by a um more. Or transform "
+        "the drawing, or the part program.",
     ),
     # --- wire path: compensation, leads, order ---------------------------------------------
     "no-offset": Code(

@@ -41,8 +41,9 @@ WITHIN_UM = 1.0
 SAME_UM = 1.0
 #: How far an arc may stray from the exact circle: that of its vertices, its own centre, and a step.
 STRAY_UM = 3.0
-#: How far the share of a whole turn that an arc makes, told by its steps, may differ.
-TURN_SHARE = 0.2
+#: How far what an arc turns, told by its steps, may differ, in whole turns: the ends are the same,
+#: so a wrong one is a whole turn off. Of an arc of some um a um of radius is a large part.
+TURN_SHARE = 0.5
 
 
 class _Exact(NamedTuple):
@@ -125,17 +126,27 @@ def fit(
         return Fit(math.inf, 0, 0, (0, 0), f"{len(said.stands)} images instead of {len(images)}")
     exact = np.array([i.of(z)[::-1] if i.back else i.of(z) for i in images])
     off = np.abs(said.stands[..., 0] + 1j * said.stands[..., 1] - exact)
-    k, j = (int(n) for n in np.unravel_index(int(np.argmax(off)), off.shape))
-    block = len(figure) + 1 - j if j and images[k].back else j
-    here = (int(said.stands[k, j, 0]), int(said.stands[k, j, 1]))
     made = stepping.run(said.blocks)
     ends = np.vstack([[0, 0], np.cumsum(np.column_stack([made.dx, made.dy]), axis=0)])
     ends += np.array(said.start)
-    wrong = (
-        _claimed(images, said, len(figure), ends)
-        or _bends(figure, images, said, ends, stepping)
-        or _passed(said.stands, written, said.start, written_stepping)
-    )
+    wrong = _claimed(images, said, len(figure), ends)
+    wrong = wrong or _bends(figure, images, said, ends, stepping)
+    run = written_stepping.run(written)
+    there = np.vstack([[0, 0], np.cumsum(np.column_stack([run.dx, run.dy]), axis=0)])
+    there += np.array(said.start)
+    stands = said.stands
+    if not wrong:
+        passed = _passed(stands, stands[..., 0] + 1j * stands[..., 1], there, 0.0)
+        # A controller that makes the path of an outline may end a um beside.
+        found = passed if passed is not None else _passed(stands, exact, there, WITHIN_UM)
+        if found is None:
+            wrong = "blocks of what is written do not end within 1 um of all vertices, in order"
+        else:
+            stands = there[found]
+            off = np.abs(stands[..., 0] + 1j * stands[..., 1] - exact)
+    k, j = (int(n) for n in np.unravel_index(int(np.argmax(off)), off.shape))
+    block = len(figure) + 1 - j if j and images[k].back else j
+    here = (int(stands[k, j, 0]), int(stands[k, j, 1]))
     return Fit(float(off[k, j]), k + 1, block, here, wrong)
 
 
@@ -209,19 +220,29 @@ def _apart(images: list[_Exact], more: list[_Exact]) -> list[_Exact]:
     return out
 
 
-def _passed(stands: Ints, blocks: Blocks, start: tuple[int, int], stepping: Stepping) -> str:
-    """Say at which place no block of a program ends, in their order; empty where all are met."""
-    run = stepping.run(blocks)
-    x, y = np.cumsum(run.dx) + start[0], np.cumsum(run.dy) + start[1]
-    ends = [start, *zip(x.tolist(), y.tolist(), strict=True)]
-    at, total = 0, len(ends)
-    for k, image in enumerate(stands.tolist()):
-        for j, (u, v) in enumerate(image):
-            while at < total and ends[at] != (u, v):
-                at += 1
-            if at == total:
-                return f"no block ends at ({u}, {v}), behind block {j} of image {k + 1}"
-    return ""
+def _passed(
+    stands: Ints, wanted: NDArray[np.complex128], ends: Ints, within_um: float
+) -> Ints | None:
+    """Return the first place of a program, in its order, that is near to each wanted one.
+
+    Args:
+        stands: gives the shape of the result: images, vertices.
+        wanted: places, a number each.
+        ends: where the program starts, and where its blocks end, shape (n, 2).
+        within_um: how near.
+
+    Returns:
+        Rows of ``ends``; None where they do not come by all that is wanted.
+    """
+    x, y = ends[:, 0].tolist(), ends[:, 1].tolist()
+    rows, at, total = [], 0, len(x)
+    for z in wanted.ravel().tolist():
+        while at < total and math.hypot(x[at] - z.real, y[at] - z.imag) > within_um:
+            at += 1
+        if at == total:
+            return None
+        rows.append(at)
+    return np.array(rows, np.int64).reshape(stands.shape[:2])
 
 
 def _claimed(images: list[_Exact], said: Said, figure: int, ends: Ints) -> str:

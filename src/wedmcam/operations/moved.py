@@ -101,9 +101,9 @@ class Images:
         moves = self.moves_um()
         goes_on = self.count - 1 - len(moves)
         if moves:
-            low, high = min(moves) / 1000, max(moves) / 1000
-            long = f"{low:.3f} mm" if high - low < 5e-4 else f"{low:.3f} to {high:.3f} mm"
-            each = " each" if len(moves) > 1 and high - low < 5e-4 else ""
+            low, high = (f"{length / 1000:.3f}" for length in (min(moves), max(moves)))
+            long = f"{low} mm" if low == high else f"{low} to {high} mm"
+            each = " each" if len(moves) > 1 and low == high else ""
             made = f"{_number(len(moves), 'move')} with the generator off, {long}{each}"
             out.append(("between", made))
         if goes_on:
@@ -182,7 +182,7 @@ def measured(one: Images, written: Program, stepping: Stepping) -> tuple[Images,
     one = replace(one, fit=how)
     if how.ok:
         return one, []
-    hint = "transform the drawing or the part program; please report this"
+    hint = "convert to .zd or .3b, whose blocks hold the path itself, or transform the drawing"
     where = _of(one.program, 0)
     if how.wrong:
         text = "the images are not those of the program: {wrong}"

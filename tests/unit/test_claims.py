@@ -35,6 +35,12 @@ def test_random_arcs_end_as_the_specification_measured():
     assert np.quantile(by_end, 0.99) == pytest.approx(2.6, abs=0.2)
 
 
+@pytest.mark.parametrize("gap", [100, 7_999])
+def test_compensation_holds_in_the_closed_loop(gap):
+    stepped, exact, vertices = claims.closed_compensation(200_000, gap, 6)
+    assert (stepped <= 1.0, exact < 0.05, vertices > 12) == (True, True, True)
+
+
 def test_rotation_holds_per_block():
     assert claims.machine_rotation(999_999, 20) < 1
     worst = claims.our_rotation(1_000_000, 30)

@@ -75,7 +75,8 @@ def path_of(made, first=None, last=None):
 )
 def test_a_square_is_rounded_alike_in_punch_and_die(gap, outwards, corner, radius):
     made, problems = compensate(SQUARE, gap, outwards, corner)
-    assert [p.what for p in problems] == ["nesting"]  # lines alone: taken for an outer contour
+    # Lines alone: taken for an outer contour; its lead comes from inside.
+    assert [p.what for p in problems] == ["nesting", *["lead", "lead"] * outwards]
     blocks = made.blocks
     side = 3000 + (gap if outwards else -gap)
     ends = ends_of(blocks)
@@ -295,7 +296,7 @@ def test_a_pause_in_a_contour_parts_nothing():
 def test_spans_are_those_of_the_stated_blocks():
     data = data_of(SQUARE)
     program, found = decode(data, M, "a.zdc", 100)
-    assert [d.code for d in found] == ["outline-side"]
+    assert {d.code for d in found} == {"compensation-lead", "outline-side"}
     assert len(program.spans) == len(program.blocks) == 7 + 4 + 1
     assert (program.spans[1].start, program.spans[2].start) == (7, 7)
     assert program.blocks["kind"][-1] == Kind.STOP
@@ -305,6 +306,6 @@ def test_a_full_circle_grows_and_shrinks():
     circle = figure(line(5000, 0), arc((5000, 0), (5000, 0), (0, 0), 1, 1), line(-5000, 0))
     for outwards, radius in ((True, 5100), (False, 4900)):
         made, problems = compensate(circle, 100, outwards)
-        assert not problems
+        assert [p.what for p in problems] == ["lead", "lead"] * outwards
         assert made.blocks["x"].tolist() == [radius, radius, -radius]
         assert ends_of(made.blocks).tolist() == [[radius, 0], [radius, 0], [0, 0]]

@@ -91,11 +91,16 @@ class Compensation(Scaled, Memory):
         )
 
     def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
-        """See `Scaled`; the radius of the arcs of corners as it is stated."""
-        if plan is not None:
-            return self.entries(plan)
-        made = self._entries(entries.every_um or 0.0, entries.outwards)
-        return Entries(gap_um=made.gap_um, outwards=made.outwards, corner_um=entries.corner_um)
+        """See `Scaled`; radius of the arcs of corners, and leads, as they are stated."""
+        made = (
+            replace(
+                self._entries(entries.every_um or 0.0, entries.outwards),
+                corner_um=entries.corner_um,
+            )
+            if plan is None
+            else self.entries(plan)
+        )
+        return replace(made, lead_in=entries.lead_in, lead_out=entries.lead_out)
 
     def write(
         self,
@@ -198,7 +203,11 @@ class Compensation(Scaled, Memory):
         self, data: bytes, file: str, entries: Entries
     ) -> tuple[Program, Sequence[Diagnostic]]:
         """See `Target`."""
-        entered: dict[str, Any] = {"gap_um": entries.gap_um or 0, "outwards": entries.outwards}
+        entered: dict[str, Any] = {
+            "gap_um": entries.gap_um or 0,
+            "outwards": entries.outwards,
+            "leads": (entries.lead_in, entries.lead_out),
+        }
         if entries.gap_um:
             entered["corner_um"] = entries.corner_um
         return self._decoded(data, file, **entered)

@@ -26,6 +26,7 @@ from wedmcam.controllers.scaling import scale
 from wedmcam.controllers.stepping import Stepping
 from wedmcam.controllers.zd065.chains import Chain, Places, chains_of, places_of, sides_of
 from wedmcam.controllers.zd065.data import decimals
+from wedmcam.controllers.zd065.leads import leads_astray
 from wedmcam.controllers.zd065.loop import EXACT, follow
 from wedmcam.controllers.zd065.transition import Pair, crossing, joined, transition
 from wedmcam.ir.program import Kind
@@ -59,8 +60,9 @@ class Problem:
             where it is), ``doubtful`` (arcs of another contour contradict it), ``shrinks`` (an arc
             vanishes), ``touch`` (no arc of radius r touches a line and an arc), ``leg`` (a block is
             too short for the arcs at its ends), ``meet`` (offset arcs do not meet), ``vanishes``
-            (nothing is left of a block); ``open`` (a contour does not quite close) and ``nesting``
-            (the side follows from how contours lie) are no errors.
+            (nothing is left of a block); ``open`` (a contour does not quite close), ``nesting``
+            (the side follows from how contours lie) and ``lead`` (one runs through what is kept)
+            are no errors.
         block: number of the stated block, from 0.
         values: lengths in um, and what else there is to say.
     """
@@ -71,7 +73,7 @@ class Problem:
 
 
 #: Problems with which there is a path all the same.
-HARMLESS = frozenset({"open", "nesting"})
+HARMLESS = frozenset({"open", "nesting", "lead"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +185,12 @@ def wire_path(
     problems += wire.problems
     if wire.problems:
         return np.zeros(0, EXACT), problems
-    return wire.rows(), problems
+    path = wire.rows()
+    for astray in leads_astray(path, chains, shift):
+        x, y = places.start[astray.begins].tolist()
+        values = {"depth_um": astray.depth_um, "inside": astray.kept_inside, "x_um": x, "y_um": y}
+        problems.append(Problem("lead", astray.row, values))
+    return path, problems
 
 
 class _Wire:

@@ -206,6 +206,24 @@ def _nesting(s: Stream, p: _Problems) -> None:
     )
 
 
+def _lead(s: Stream, p: _Problems) -> None:
+    s.tell(
+        Severity.WARNING,
+        "compensation-lead",
+        p.blocks(),
+        "block {block}: this lead cuts into what is kept: it lies up to {depth_mm:.3f} mm "
+        "{where} the path of the wire; the file is threaded for the other side",
+        lambda i: {
+            "depth_mm": p.mm(i, "depth_um"),
+            "where": "inside" if p.value(i, "inside") else "outside",
+            "other": "outside" if p.value(i, "inside") else "inside",
+            "place": p.place(i),
+        },
+        "--lead-in X,Y --lead-out X,Y: lines from a thread point {other} the contour to the start "
+        "of the outline, {place} from the start of the program, and back",
+    )
+
+
 #: By `Problem.what`.
 _TELL: dict[str, Callable[[Stream, _Problems], None]] = {
     "below": _below,
@@ -220,6 +238,7 @@ _TELL: dict[str, Callable[[Stream, _Problems], None]] = {
     "vanishes": _vanishes,
     "open": _open,
     "nesting": _nesting,
+    "lead": _lead,
 }
 
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag import Diagnostic, Severity, error, has_errors, note
+from wedmcam.diag.run import WrongUse
 from wedmcam.formats import compact
 from wedmcam.formats import compensation as rows
 from wedmcam.ir.plan import Plan
@@ -83,7 +84,13 @@ class Compensation(Scaled, Memory):
     def entries(self, plan: Plan) -> Entries:
         """The gap of all cuts, its side, and the radius of the arcs at corners."""
         entries = super().entries(plan)
-        radii = {cut.corner_um for cut in plan.cuts if cut.cornered is not None}
+        radii = sorted({cut.corner_um for cut in plan.cuts if cut.cornered is not None})
+        if len(radii) > 1:
+            several = ", ".join(f"{um / 1000:.4g} mm" for um in radii)
+            raise WrongUse(
+                f"{self.machine.format} has one radius for the arcs at all corners, and the cuts "
+                f"have {several}: the same corner for all, or --to {self.instead}"
+            )
         return Entries(
             gap_um=entries.gap_um,
             outwards=entries.outwards,

@@ -224,6 +224,23 @@ def _lead(s: Stream, p: _Problems) -> None:
     )
 
 
+def _acute(s: Stream, p: _Problems) -> None:
+    s.tell(
+        Severity.WARNING,
+        "acute-corner",
+        p.blocks(),
+        "block {block}: the corner of {angle_deg:.1f} degrees behind it, at {place} from the start "
+        "of the program, has an arc of {corner_mm:.3f} mm, the gap: with another gap the die is "
+        "too narrow or too wide for the punch there",
+        lambda i: {
+            "angle_deg": p.value(i, "angle_deg"),
+            "place": p.place(i),
+            "corner_mm": p.mm(i, "corner_um"),
+        },
+        "--corner in both runs: the larger of the gaps of punch and die",
+    )
+
+
 #: By `Problem.what`.
 _TELL: dict[str, Callable[[Stream, _Problems], None]] = {
     "below": _below,
@@ -239,6 +256,7 @@ _TELL: dict[str, Callable[[Stream, _Problems], None]] = {
     "open": _open,
     "nesting": _nesting,
     "lead": _lead,
+    "acute": _acute,
 }
 
 

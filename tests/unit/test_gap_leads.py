@@ -95,6 +95,22 @@ def test_leads_of_several_contours_or_none_are_not_replaced():
         assert entered_leads(figure(*rows), (0, 5), None)[1] == why
 
 
+def test_lines_alone_need_their_gap(tmp_path):
+    """The machine offsets lines as well: without a gap the outline would be cut for the path."""
+    data = bytes.fromhex("02000000003000 01003000000000 02000000006000 03006000000000"
+                         "04000000006000 01003000000000 04000000003000 00")  # fmt: skip
+    (tmp_path / "a.zdc").write_bytes(data)
+    for more, status, code in (([], 1, True), (["--gap", "0"], 0, False)):
+        told = run("convert", tmp_path / "a.zdc", "-o", tmp_path / "a.3b", *more)
+        assert (told.exit_code, "no-gap" in told.output) == (status, code), told.output
+    told = run("verify", tmp_path / "a.zdc")
+    assert "note[no-gap]" in told.output
+    (tmp_path / "b.zd").write_bytes(data)
+    told = run("convert", tmp_path / "b.zd", "-o", tmp_path / "b.zdc")
+    assert (told.exit_code, "note[no-gap]" in told.output) == (0, True)
+    assert (tmp_path / "b.zdc").read_bytes() == data
+
+
 def test_leads_belong_to_formats_without_them(tmp_path):
     (tmp_path / "a.zd").write_bytes(bytes.fromhex("01 01 70 00 00 50 00 00"))
     told = run("convert", tmp_path / "a.zd", "-o", tmp_path / "a.3b", "--lead-in", "0,1")

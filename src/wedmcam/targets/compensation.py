@@ -11,12 +11,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from wedmcam.diag import Diagnostic, Severity, error, has_errors, note
 from wedmcam.diag.run import WrongUse
 from wedmcam.formats import compact
 from wedmcam.formats import compensation as rows
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.targets import gap
 from wedmcam.targets.entries import Entries
@@ -24,7 +26,6 @@ from wedmcam.targets.scaled import Scaled
 from wedmcam.targets.stated import Memory
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 Shift = tuple[float, float, float]
@@ -80,6 +81,10 @@ class Compensation(Scaled, Memory):
 
         limits = self.machine.limits
         return start_off_corners(plan, Grid(1.0, limits.line_um, limits.arc_um))
+
+    def moves(self, program: Program) -> bool:
+        """See `Scaled`; lines are offset too, and have arcs at their corners."""
+        return bool(np.isin(program.blocks["kind"], (Kind.LINE, Kind.ARC)).any())
 
     def entries(self, plan: Plan) -> Entries:
         """The gap of all cuts, its side, and the radius of the arcs at corners."""

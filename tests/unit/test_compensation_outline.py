@@ -13,6 +13,7 @@ from wedmcam.cli.main import cli
 from wedmcam.frontends.zd065.compensation import decode, read
 from wedmcam.ir.program import Kind
 from wedmcam.operations.convert import convert
+from wedmcam.options import WrongUse
 from wedmcam.programs.places import block_ends
 from wedmcam.targets import Entries
 
@@ -129,6 +130,14 @@ def test_refusals():
         name="a.dxf", to="compensation", offset=0.1, side="left", paper=True,
     )  # fmt: skip
     assert "compensation-lost" in codes(opened)
+    two = "".join(
+        f"contour {n} {{ from ({x},0) line to ({x + 9},0) line to ({x},9) close }}\n"
+        f"cut {n} outside offset 0.1 corners paper corner {r}\n"
+        for n, x, r in (("a", 0, 0.1), ("b", 40, 0.2))
+    )
+    assert wedmcam.compile(two.encode(), name="a.wed", to="compact").ok
+    with pytest.raises(WrongUse, match=r"one radius .* 0.1 mm, 0.2 mm"):
+        wedmcam.compile(two.encode(), name="a.wed", to="compensation")
 
 
 def run(*args):

@@ -96,16 +96,21 @@ layer_side_option = option(ROWS["layer_sides"])
 side_option = option(ROWS["side"], help="For the largest offset: part (default) or die.")
 d_option = option(ROWS["d"])
 feed_option = option(ROWS["feed_um"])
-#: What the operator enters for a figure in the ZD-065's rotation format.
+#: What the operator enters beside a file in the ZD-065's rotation or compensation format.
 turning_options = _stack(
     click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99."),
     click.option("--angle", type=DEGREES, default=0.0, help="Degrees from copy to copy."),
     click.option(
         "--lead-in",
         type=POINT,
-        help="Line entered before such a figure, from the thread point to its start: X,Y in mm.",
+        help="Line entered before such a figure, from the thread point to its start: X,Y in mm; or "
+        "for the lead of a compensation file of one contour, to the start of its outline.",
     ),
-    click.option("--lead-out", type=POINT, help="Line entered behind the last copy, X,Y in mm."),
+    click.option(
+        "--lead-out",
+        type=POINT,
+        help="Line entered behind the last copy, or for the lead back of such a file, X,Y in mm.",
+    ),
     click.option(
         "--open-loop",
         is_flag=True,

@@ -915,7 +915,8 @@ CODES: dict[str, Code] = {
     "compensation-lead": Code(
         "The lead to an outline that the controller offsets is too short or on the wrong side.",
         "Controllers stop with an alarm, or the wire cuts into the part.",
-        "Start farther from the outline, on the side of the wire: --start.",
+        "Start farther from the outline, on the side of the wire: --start; beside a .zdc file "
+        "--lead-in X,Y --lead-out X,Y.",
     ),
     "compensation-lost": Code(
         "The controller cannot offset a block: nothing is left of it, it comes too near to another "

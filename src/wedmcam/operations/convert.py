@@ -277,7 +277,9 @@ def between(
     findings += more
     if data is None or has_errors(more):
         return None, None, None, findings
-    other, problems = target.read(data, f"the {machine.format} program", entries)
+    # Copies and leads were those of the first program, and are in its path.
+    rest = replace(entries, copies=0, angle=0.0, lead_in=None, lead_out=None)
+    other, problems = target.read(data, f"the {machine.format} program", rest)
     findings += [d for d in problems if d.severity is Severity.ERROR]
     if has_errors(findings):
         return None, other, None, findings

@@ -11,11 +11,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from wedmcam.diag import Diagnostic, Severity, error, has_errors, note
+from wedmcam.diag.run import WrongUse
 from wedmcam.formats import compact
 from wedmcam.formats import compensation as rows
 from wedmcam.ir.plan import Plan
-from wedmcam.ir.program import Program
+from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
 from wedmcam.targets import gap
 from wedmcam.targets.entries import Entries
@@ -23,7 +26,6 @@ from wedmcam.targets.scaled import Scaled
 from wedmcam.targets.stated import Memory
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 Shift = tuple[float, float, float]
@@ -80,10 +82,20 @@ class Compensation(Scaled, Memory):
         limits = self.machine.limits
         return start_off_corners(plan, Grid(1.0, limits.line_um, limits.arc_um))
 
+    def moves(self, program: Program) -> bool:
+        """See `Scaled`; lines are offset too, and have arcs at their corners."""
+        return bool(np.isin(program.blocks["kind"], (Kind.LINE, Kind.ARC)).any())
+
     def entries(self, plan: Plan) -> Entries:
         """The gap of all cuts, its side, and the radius of the arcs at corners."""
         entries = super().entries(plan)
-        radii = {cut.corner_um for cut in plan.cuts if cut.cornered is not None}
+        radii = sorted({cut.corner_um for cut in plan.cuts if cut.cornered is not None})
+        if len(radii) > 1:
+            several = ", ".join(f"{um / 1000:.4g} mm" for um in radii)
+            raise WrongUse(
+                f"{self.machine.format} has one radius for the arcs at all corners, and the cuts "
+                f"have {several}: the same corner for all, or --to {self.instead}"
+            )
         return Entries(
             gap_um=entries.gap_um,
             outwards=entries.outwards,
@@ -91,11 +103,16 @@ class Compensation(Scaled, Memory):
         )
 
     def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
-        """See `Scaled`; the radius of the arcs of corners as it is stated."""
-        if plan is not None:
-            return self.entries(plan)
-        made = self._entries(entries.every_um or 0.0, entries.outwards)
-        return Entries(gap_um=made.gap_um, outwards=made.outwards, corner_um=entries.corner_um)
+        """See `Scaled`; radius of the arcs of corners, and leads, as they are stated."""
+        made = (
+            replace(
+                self._entries(entries.every_um or 0.0, entries.outwards),
+                corner_um=entries.corner_um,
+            )
+            if plan is None
+            else self.entries(plan)
+        )
+        return replace(made, lead_in=entries.lead_in, lead_out=entries.lead_out)
 
     def write(
         self,
@@ -198,7 +215,11 @@ class Compensation(Scaled, Memory):
         self, data: bytes, file: str, entries: Entries
     ) -> tuple[Program, Sequence[Diagnostic]]:
         """See `Target`."""
-        entered: dict[str, Any] = {"gap_um": entries.gap_um or 0, "outwards": entries.outwards}
+        entered: dict[str, Any] = {
+            "gap_um": entries.gap_um or 0,
+            "outwards": entries.outwards,
+            "leads": (entries.lead_in, entries.lead_out),
+        }
         if entries.gap_um:
             entered["corner_um"] = entries.corner_um
         return self._decoded(data, file, **entered)

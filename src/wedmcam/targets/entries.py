@@ -33,8 +33,9 @@ class Entries:
         copies: of a figure in rotation format, 0 to 99 [S].
         angle: degrees from copy to copy, counter-clockwise.
         lead_in: line before the figure, from the thread point to where it starts, whole um; None
-            where none is entered: the format holds no lead outside the figure that it repeats.
-        lead_out: line behind the last copy, likewise.
+            where none is entered: the format holds no lead outside the figure that it repeats. Of a
+            compensation file: instead of its lead, to where its outline starts.
+        lead_out: line behind the last copy, or instead of the lead back, likewise.
         open_loop: the ZD-065 processes data literally: roundings add up from block to block.
         gap_um: of a compensation or 4B file, whole um; None where it is not stated: what is read
             then is the outline, and `Target.unstated` says so.
@@ -76,7 +77,7 @@ class Entries:
 
     @property
     def turns(self) -> bool:
-        """Whether anything is entered for a figure in rotation format."""
+        """Whether copies or leads are entered."""
         return bool(self.copies) or self.lead_in is not None or self.lead_out is not None
 
     def check(self, source: str, target: str) -> None:
@@ -91,9 +92,10 @@ class Entries:
         """
         if (self.copies or self.angle) and source != "rotation":
             raise WrongUse(f"--copies and --angle turn a figure in rotation format, not {source}")
-        if self.turns and source != "rotation":
+        if self.turns and source not in ("rotation", "compensation"):
             raise WrongUse(
-                f"--lead-in and --lead-out belong to a figure in rotation format, not to {source}"
+                "--lead-in and --lead-out belong to a compensation file or a figure in rotation "
+                f"format, not to {source}"
             )
         if self.open_loop and source not in ("rotation", "compensation"):
             raise WrongUse(

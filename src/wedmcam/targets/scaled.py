@@ -49,6 +49,10 @@ class Scaled(Stated):
             ),
         )
 
+    def moves(self, program: Program) -> bool:
+        """Return whether a gap changes the path of a program: only arcs are scaled."""
+        return bool((program.blocks["kind"] == Kind.ARC).any())
+
     def entries(self, plan: Plan) -> Entries:
         """The gap of all cuts, and its side."""
         gaps = gap.gaps(plan)
@@ -122,7 +126,7 @@ class Scaled(Stated):
 
     def unstated(self, program: Program) -> list[Diagnostic]:
         """See `Target`."""
-        if not _has_arcs(program):
+        if not self.moves(program):
             return []
         return [
             note(
@@ -154,7 +158,7 @@ class Scaled(Stated):
         from wedmcam.targets.outline_side import arc_growth
 
         notes: list[Diagnostic] = []
-        if entries.gap_um is None and _has_arcs(program):
+        if entries.gap_um is None and self.moves(program):
             notes = [
                 note(
                     "no-gap",
@@ -184,7 +188,3 @@ class B4(Scaled):
 
 def _stated(entries: Entries) -> dict[str, Any]:
     return {"gap_um": round(entries.gap_um or 0.0), "outwards": entries.outwards}
-
-
-def _has_arcs(program: Program) -> bool:
-    return bool((program.blocks["kind"] == Kind.ARC).any())

@@ -169,7 +169,7 @@ def sides_of(figure: NDArray[np.void], places: Places, chains: list[Chain]) -> S
         x, y = ring.T
         area = float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
         around = sum(
-            _inside(ring[0], other) for m, other in enumerate(rings) if m != k and other is not None
+            inside(ring[0], other) for m, other in enumerate(rings) if m != k and other is not None
         )
         holes[k] = around % 2 == 1
         by_place[k] = (-1 if area > 0 else 1) * (-1 if holes[k] else 1)
@@ -205,7 +205,7 @@ def _ring(figure: NDArray[np.void], places: Places, chain: Chain) -> Floats:
     return np.concatenate(points)
 
 
-def _inside(point: Floats, ring: Floats) -> bool:
+def inside(point: Floats, ring: Floats) -> bool:
     """Return whether a place lies in a polygon."""
     (px, py), (x, y) = point, ring.T
     nx, ny = np.roll(x, -1), np.roll(y, -1)

@@ -26,6 +26,7 @@ from wedmcam.controllers.scaling import scale
 from wedmcam.controllers.stepping import Stepping
 from wedmcam.controllers.zd065.chains import Chain, Places, chains_of, places_of, sides_of
 from wedmcam.controllers.zd065.data import decimals
+from wedmcam.controllers.zd065.leads import leads_astray
 from wedmcam.controllers.zd065.loop import EXACT, follow
 from wedmcam.controllers.zd065.transition import Pair, crossing, joined, transition
 from wedmcam.ir.program import Kind
@@ -45,6 +46,9 @@ MOST_TURN = 0.35
 ROOM_UM = 0.5
 #: Arcs that are shorter than this are cut as lines, um.
 SHORT_UM = 3.0
+#: Sharpest corner at which punch and die do not meet where the radius of each is its gap, degrees:
+#: with gaps f and f - z their clearance is z (2 - 1 / sin(angle / 2)).
+ACUTE_DEG = 60.0
 #: How far from the corner offset arcs may meet, gaps.
 FARTHEST_GAPS = 4.0
 
@@ -59,8 +63,10 @@ class Problem:
             where it is), ``doubtful`` (arcs of another contour contradict it), ``shrinks`` (an arc
             vanishes), ``touch`` (no arc of radius r touches a line and an arc), ``leg`` (a block is
             too short for the arcs at its ends), ``meet`` (offset arcs do not meet), ``vanishes``
-            (nothing is left of a block); ``open`` (a contour does not quite close) and ``nesting``
-            (the side follows from how contours lie) are no errors.
+            (nothing is left of a block); ``open`` (a contour does not quite close), ``nesting``
+            (the side follows from how contours lie), ``lead`` (one runs through what is kept) and
+            ``acute`` (a corner at which punch and die meet, if the radius of each is its gap) are
+            no errors.
         block: number of the stated block, from 0.
         values: lengths in um, and what else there is to say.
     """
@@ -71,7 +77,7 @@ class Problem:
 
 
 #: Problems with which there is a path all the same.
-HARMLESS = frozenset({"open", "nesting"})
+HARMLESS = frozenset({"open", "nesting", "lead", "acute"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +134,8 @@ def compensate(
     if open_loop or not (gap_um or corner):
         return literal, []
     path, problems = wire_path(figure, gap_um, outwards, corner)
+    if corner_um is not None:
+        problems = [p for p in problems if p.what != "acute"]
     if any(p.what not in HARMLESS for p in problems):
         return literal, problems
     made = follow(path, stepping)
@@ -183,7 +191,13 @@ def wire_path(
     problems += wire.problems
     if wire.problems:
         return np.zeros(0, EXACT), problems
-    return wire.rows(), problems
+    path = wire.rows()
+    for astray in leads_astray(path, chains, shift):
+        x, y = places.start[astray.begins].tolist()
+        values = {"depth_um": astray.depth_um, "inside": astray.kept_inside, "x_um": x, "y_um": y}
+        problems.append(Problem("lead", astray.row, values))
+    problems += wire.acute() if gap_um else []
+    return path, problems
 
 
 class _Wire:
@@ -425,6 +439,14 @@ class _Wire:
     def _problem(self, what: str, joint: int, values: dict[str, Any]) -> Problem:
         x, y = self.corners[joint].tolist()
         return Problem(what, int(self.before[joint]), {**values, "x_um": x, "y_um": y})
+
+    def acute(self) -> list[Problem]:
+        """Return corners that are so sharp that punch and die need one radius."""
+        angle = 180.0 - np.degrees(np.abs(self.angle))
+        return [
+            self._problem("acute", k, {"angle_deg": float(angle[k]), "corner_um": self.corner})
+            for k in np.flatnonzero(self.rounded & (angle < ACUTE_DEG - 1e-3)).tolist()
+        ]
 
     def _check_rest(self) -> None:
         """Set what is left of each block on the wire, and find blocks of which nothing is."""

@@ -15,7 +15,8 @@ from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.controllers.scaling import scale
 from wedmcam.controllers.zd065.compensation import compensate
 from wedmcam.controllers.zd065.data import OUTLINE
-from wedmcam.diag import Diagnostic, Severity
+from wedmcam.controllers.zd065.leads import Leads, entered_leads
+from wedmcam.diag import Diagnostic, FileSpan, Severity, error
 from wedmcam.formats import compensation, quadrants
 from wedmcam.formats.lengths import mm_of
 from wedmcam.frontends.zd065.gap_problems import tell_followed, tell_problems
@@ -46,6 +47,7 @@ def decode(
     outwards: bool = True,
     corner_um: float | None = None,
     *,
+    leads: Leads = (None, None),
     open_loop: bool = False,
 ) -> tuple[Program, list[Diagnostic]]:
     """Return the cutting program that the controller makes of compensation data.
@@ -58,6 +60,9 @@ def decode(
         outwards: True for a punch, False for a die.
         corner_um: radius of the transition arcs at corners of the outline, um, at least the gap;
             None for the gap. Punch and die of one outline need the same.
+        leads: lines that the operator enters for those of the file, from the thread point to where
+            the outline starts and from there, um: for the side that the file is not threaded for.
+            None for the file's.
         open_loop: only scale the arcs, as 4B does; joints that are not tangent are refused then.
 
     ``spans[i]`` is where the block stands that block i was made of. Refused, with the place, is
@@ -66,6 +71,11 @@ def decode(
     """
     stream, figure = _fields(data, file, machine)
     _check(stream, figure)
+    if leads != (None, None) and stream.good.all() and len(figure):
+        figure, why = entered_leads(figure, *leads)
+        if why:
+            program, findings = stream.finish(scale(figure, 0))
+            return program, [*findings, _no_leads(why, file)]
     whole = int(gap_um) if gap_um == int(gap_um) and 0 <= gap_um <= compensation.MOST_GAP_UM else 0
     stream.tell(
         Severity.ERROR,
@@ -115,6 +125,22 @@ def decode(
     cutting = made.blocks.copy()
     cutting["source"] = -1
     return Program(np.concatenate([cutting, stop]), spans=spans), findings
+
+
+def _no_leads(why: str, file: str) -> Diagnostic:
+    """Return why lines of the operator replace no leads."""
+    reasons = {
+        "contours": "they replace the leads of one contour, and the file has several or none",
+        "leads": "the file has no such lead: its contour is open, or starts without one",
+        "length": "a line of no length is none",
+    }
+    return error(
+        "compensation-lead",
+        "--lead-in or --lead-out: {reason}",
+        FileSpan(file),
+        hint="compile the drawing for that side; --cuts makes a file of one contour",
+        reason=reasons[why],
+    )
 
 
 def senses(data: bytes, machine: Machine) -> NDArray[np.int64]:

@@ -63,10 +63,12 @@ class Entries:
     open_loop: bool = False
 
     def __post_init__(self) -> None:
-        if bool(self.copies) != bool(self.angle):
-            raise WrongUse("--copies and --angle go together")
         if not 0 <= self.copies <= MOST_COPIES:
-            raise WrongUse(f"--copies {self.copies}: the controller makes 1 to {MOST_COPIES}")
+            raise WrongUse(f"--copies {self.copies}: the controller makes 0 to {MOST_COPIES}")
+        if self.copies and not self.angle:
+            raise WrongUse(
+                f"--copies {self.copies} without an angle: --angle, other than 0, turns each copy"
+            )
         for name, way in (("lead-in", self.lead_in), ("lead-out", self.lead_out)):
             if way is not None and max(abs(v) for v in way) > MOST_LEAD_UM:
                 raise WrongUse(

@@ -197,8 +197,8 @@ class Entries:
 
 
 def entered_of(
-    copies: int,
-    angle: float,
+    copies: int | None,
+    angle: float | None,
     lead_in: tuple[float, float] | None,
     lead_out: tuple[float, float] | None,
     open_loop: bool = False,
@@ -208,9 +208,11 @@ def entered_of(
     Raises:
         WrongUse: a lead that is no whole um, or entries that do not fit together.
     """
+    if (copies is None) != (angle is None):
+        raise WrongUse("--copies and --angle go together")
     return Entries(
-        copies,
-        angle,
+        copies or 0,
+        angle or 0.0,
         lead_in=whole_um(lead_in, "--lead-in"),
         lead_out=whole_um(lead_out, "--lead-out"),
         open_loop=open_loop,

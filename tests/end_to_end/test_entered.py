@@ -75,7 +75,7 @@ def test_copies_go_with_an_angle(tmp_path):
     figure.write_bytes(bytes.fromhex("01 02 30000000 020000 00"))
     for more, said in (
         (["--copies", "2"], "go together"),
-        (["--copies", "100", "--angle", "1"], "1 to 99"),
+        (["--copies", "100", "--angle", "1"], "0 to 99"),
     ):
         result = run("convert", figure, "-o", tmp_path / "a.3b", *more)
         assert status(result) == 2

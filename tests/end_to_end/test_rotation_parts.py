@@ -266,8 +266,11 @@ def test_verify_with_other_entries_fails(gear, wrong):
 @pytest.mark.parametrize(
     ("more", "text"),
     [
-        (["--copies", "100", "--angle", "3.6"], "the controller makes 1 to 99"),
+        (["--copies", "100", "--angle", "3.6"], "the controller makes 0 to 99"),
         (["--copies", "3"], "go together"),
+        (["--angle", "3"], "go together"),
+        (["--copies", "3", "--angle", "0"], "without an angle"),
+        (["--copies", "-1", "--angle", "3"], "the controller makes 0 to 99"),
         (["--lead-in", "0.00005,1"], "--lead-in is whole um"),
         (["--lead-out", "1200,0"], "999.999 mm"),
     ],
@@ -316,3 +319,50 @@ def test_several_formats_at_once(tmp_path):
     done = run("compile", part, "--to", "compact,rotation", "-o", tmp_path / "gear")
     assert status(done) == 0, done.output
     assert (tmp_path / "gear.zdr").exists()
+
+
+def test_an_arc_of_10_m_is_converted(tmp_path):
+    """R 10 m over 5 degrees takes more than 999,999 steps, and its J is 735,765."""
+    figure = tmp_path / "a.zdr"
+    figure.write_bytes(
+        bytes.fromhex("21 02 30000000 10000000 01 50000000 02 03 12000000 001000 00")
+    )
+    done = run("convert", figure, "-o", tmp_path / "a.zd", "--copies", "3", "--angle", "90")
+    assert status(done) == 0, done.output
+    figure.write_bytes(bytes.fromhex("21 02 30000000 10000001 01 50000000 00"))
+    done = run("verify", figure)
+    assert "block 1: the radius is 10000.001 mm, the largest is 10000.000 mm" in done.stderr
+
+
+def test_no_copies_are_a_figure_as_it_is(gear):
+    folder, _ = gear
+    done = run("verify", folder / "gear.zdr", "--copies", "0", "--angle", "15")
+    assert status(done) == 0, done.output
+
+
+@pytest.mark.parametrize(("order", "side", "offset"), [(97, "die", 0.05), (97, "part", 0.05)])
+def test_small_fillets_that_no_figure_holds_are_written_without_copies(order, side, offset):
+    """Slots of 97 with fillets of 0.1 mm: what the cutting format holds, this holds too."""
+    made = wedmcam.compile(
+        filleted(order), to="rotation", name="r.dxf", offset=offset, side=side, cuts=(1, 1)
+    )
+    assert made.ok, made.findings
+    assert made.summary["closure_um"] == 0
+
+
+def filleted(order, radius=60.0, deep=3.0, half=0.8, fillet=0.1):
+    """A drawing of a ring of slots; all their corners are rounded."""
+    out = math.sqrt(radius**2 - half**2)
+    slot = [complex(out, -half), complex(out - deep, -half), complex(out - deep, half),
+            complex(out, half)]  # fmt: skip
+    turns = np.exp(2j * np.pi * np.arange(order) / order)
+    corners = np.concatenate([np.array(slot) * z for z in turns])
+    rows = []
+    for a, b, c in zip(np.roll(corners, 1), corners, np.roll(corners, -1), strict=True):
+        u, v = (a - b) / abs(a - b), (c - b) / abs(c - b)
+        between = math.acos((u * v.conjugate()).real)
+        cut = fillet / math.tan(between / 2)
+        bulge = math.tan((math.pi - between) / 4) * np.sign(((b - a).conjugate() * (c - b)).imag)
+        rows += [((b + u * cut).real, (b + u * cut).imag, bulge)]
+        rows += [((b + v * cut).real, (b + v * cut).imag, 0)]
+    return drawing(lambda doc, msp: msp.add_lwpolyline(rows, format="xyb", close=True))

@@ -98,8 +98,8 @@ d_option = option(ROWS["d"])
 feed_option = option(ROWS["feed_um"])
 #: What the operator enters beside a file in the ZD-065's rotation or compensation format.
 turning_options = _stack(
-    click.option("--copies", type=int, default=0, help="Of a figure in rotation format, 1 to 99."),
-    click.option("--angle", type=DEGREES, default=0.0, help="Degrees from copy to copy."),
+    click.option("--copies", type=int, help="Of a figure in rotation format, 0 to 99."),
+    click.option("--angle", type=DEGREES, help="Degrees from copy to copy."),
     click.option(
         "--lead-in",
         type=POINT,

@@ -694,7 +694,8 @@ CODES: dict[str, Code] = {
         "What the hint says; without it the program is right all the same.",
     ),
     "figure-drift": Code(
-        "A figure in rotation format does not close: its copies do not come back to their start.",
+        "A figure in rotation format ends beside where it should: its copies do not come back to "
+        "their start, or a block leads to another um.",
         "What one figure is off grows over the copies by 1 / sin(pi / N); the contour stays open.",
         "Other headings or lengths; a figure of several (fewer copies); --to compact.",
     ),

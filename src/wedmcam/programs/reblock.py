@@ -157,8 +157,12 @@ def _parts(
     pieces = np.where(kept, 1, 0)
     most = min(rules.line_um, rules.count_um)
     pieces = np.where(straight & kept, -(-longest // most), pieces)
-    halves = -(-motion.steps // (2 * rules.count_um)) if rules.count_um else 1
-    long = np.where(motion.steps > rules.count_um, halves * 2, 1)
+    # J of one that is counted alike is known, and cutting it where it fits would move the path.
+    alike = rules.square and stepping == rules.stepping
+    counted = blocks["count"] if alike else motion.steps
+    counted = np.where(blocks["axis"] == int(rules.square_axis), counted, motion.steps)
+    halves = -(-counted // (2 * rules.count_um)) if rules.count_um else 1
+    long = np.where(counted > rules.count_um, halves * 2, 1)
     x, y = blocks["x"], blocks["y"]
     whole = stepping.arc_end(x, y, np.where(arc, blocks["turn"], 1), x, y).steps
     rounds = np.where(arc & (not rules.turns), -(-motion.steps // np.maximum(whole, 1)), 1)

@@ -64,10 +64,12 @@ class Entries:
     open_loop: bool = False
 
     def __post_init__(self) -> None:
-        if bool(self.copies) != bool(self.angle):
-            raise WrongUse("--copies and --angle go together")
         if not 0 <= self.copies <= MOST_COPIES:
-            raise WrongUse(f"--copies {self.copies}: the controller makes 1 to {MOST_COPIES}")
+            raise WrongUse(f"--copies {self.copies}: the controller makes 0 to {MOST_COPIES}")
+        if self.copies and not self.angle:
+            raise WrongUse(
+                f"--copies {self.copies} without an angle: --angle, other than 0, turns each copy"
+            )
         for name, way in (("lead-in", self.lead_in), ("lead-out", self.lead_out)):
             if way is not None and max(abs(v) for v in way) > MOST_LEAD_UM:
                 raise WrongUse(
@@ -197,8 +199,8 @@ class Entries:
 
 
 def entered_of(
-    copies: int,
-    angle: float,
+    copies: int | None,
+    angle: float | None,
     lead_in: tuple[float, float] | None,
     lead_out: tuple[float, float] | None,
     open_loop: bool = False,
@@ -208,9 +210,11 @@ def entered_of(
     Raises:
         WrongUse: a lead that is no whole um, or entries that do not fit together.
     """
+    if (copies is None) != (angle is None):
+        raise WrongUse("--copies and --angle go together")
     return Entries(
-        copies,
-        angle,
+        copies or 0,
+        angle or 0.0,
         lead_in=whole_um(lead_in, "--lead-in"),
         lead_out=whole_um(lead_out, "--lead-out"),
         open_loop=open_loop,

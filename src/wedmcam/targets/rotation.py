@@ -11,18 +11,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from wedmcam.diag import Diagnostic, Place, note
 from wedmcam.formats import rotation
+from wedmcam.geom.measure import segments_of_all
 from wedmcam.geom.quantize import to_grid
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Program
 from wedmcam.machines import Machine
 from wedmcam.targets.entries import MOST_COPIES, Entries
 from wedmcam.targets.stated import Memory
-from wedmcam.targets.turned import Turned, turned_of
-from wedmcam.transforms.repeat import SAME_UM, find_repeat
+from wedmcam.targets.turned import AWAY_UM, Turned, keeps_sign, proves, turned_of
+from wedmcam.transforms.repeat import SAME_UM, beside, find_repeat
 
 if TYPE_CHECKING:
+    from wedmcam.backends.zd065.landing import Exact
+    from wedmcam.ir.contour import Contour
     from wedmcam.transforms.lower import Rules
 
 
@@ -85,11 +90,26 @@ class Rotation(Memory):
 
         turned = turned_of(plan, self.machine) if entries.copies else None
         if turned is None:
-            data, findings = self._encoded(program)
+            data, findings = self._write_alone(program, plan)
             return data, [*findings, *_alone(plan)]
         memory = memory_of(turned.stated.figure)
         findings = [_figure_note(turned, plan), *memory.too_large(self.machine)]
         return memory.data.tobytes(), findings
+
+    def _write_alone(self, program: Program, plan: Plan) -> tuple[bytes, Sequence[Diagnostic]]:
+        """Return the data of a program without copies, and findings.
+
+        Of data that aim at the path and a little beside it, the first that prove; else the first.
+        """
+        first = None
+        for away in AWAY_UM if plan.cuts else AWAY_UM[:1]:
+            paths = [beside(cut.path, away * keeps_sign(cut)) for cut in plan.cuts]
+            made = self._encoded(program, exact=_exact(paths))
+            first = first or made
+            if not made[0] or proves(made[0], Entries(), plan, self.machine):
+                return made
+        assert first is not None
+        return first
 
     def read(
         self, data: bytes, file: str, entries: Entries
@@ -129,6 +149,18 @@ class Rotation(Memory):
             x, y = to_grid([v["x"][0], v["y"][0]]).tolist()
             return x, y
         return round(turned.start.real), round(turned.start.imag)
+
+
+def _exact(paths: Sequence[Contour]) -> Exact | None:
+    """Return the segments of paths."""
+    from wedmcam.backends.zd065.landing import Exact
+
+    if not paths:
+        return None
+    s, _ = segments_of_all([(c.vertices, c.closed) for c in paths])
+    return Exact(
+        s.x0 + 1j * s.y0, s.x1 + 1j * s.y1, s.cx + 1j * s.cy, s.radius, s.turn.astype(np.int64)
+    )
 
 
 def _figure_note(turned: Turned, plan: Plan) -> Diagnostic:

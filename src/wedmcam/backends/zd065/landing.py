@@ -12,7 +12,7 @@ taken whose circle, as the machine finds it, strays least from the exact one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -263,17 +263,27 @@ def _stated(aim: Aim, stepping: Stepping) -> Landing:
         arcs = arcs.take(wide).halves()
 
 
+@dataclass(slots=True, eq=False)
 class _Arcs:
     """Arcs to be stated, and for each what the machine makes of some R and sweeps."""
 
-    def __init__(self, row: Ints, at: Floats, share: Floats, turn: Ints, begin: Complex,
-                 end: Complex, centre: Complex, radius: Floats, sweep: Floats) -> None:  # fmt: skip
-        self.row, self.at, self.share, self.turn = row, at, share, turn
-        self.begin, self.end, self.centre = begin, end, centre
-        self.radius, self.sweep = radius, sweep
-        self.sizes = np.zeros((len(row), 0), dtype=np.int64)
-        self.sweeps = np.zeros((len(row), 0))
-        self.off, self.stray = np.zeros((len(row), 0)), np.zeros((len(row), 0))
+    row: Ints
+    at: Floats
+    share: Floats
+    turn: Ints
+    begin: Complex
+    end: Complex
+    centre: Complex
+    radius: Floats
+    sweep: Floats
+    sizes: Ints = field(init=False)
+    sweeps: Floats = field(init=False)
+    off: Floats = field(init=False)
+    stray: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.sizes = np.zeros((len(self.row), 0), dtype=np.int64)
+        self.sweeps, self.off, self.stray = np.zeros((3, len(self.row), 0))
 
     @classmethod
     def of_path(cls, path: NDArray[np.void], vertices: Complex, centres: Complex) -> _Arcs:

@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.controllers.zd065.compensation import HARMLESS, Compensated, Problem
+from wedmcam.controllers.zd065.compensation import HARMLESS, Compensated
+from wedmcam.controllers.zd065.wire import Problem
 from wedmcam.diag import Place, Severity
 from wedmcam.frontends.zd065.memory import Stream
 

@@ -35,6 +35,11 @@ WIDE, BLUNT = 200.0, 100.0
 #: A vertex of the exact path this near to that of a program is the same, um; and so is the circle
 #: of an arc, at its middle.
 SAME_UM = 1.5
+#: Arcs of a smaller radius may start next to their centre, and would never end, um: they are lines.
+LEAST_RADIUS_UM = 2
+#: Blocks that are not longer stay as the program has them, um; and an arc is a line where that
+#: lands nearer.
+SPECK_UM = 4.0
 #: The middle of a stated arc is this near to that of the arc, um, or the arc is divided.
 NEAR_UM = 0.6
 #: What it weighs that the machine makes several blocks of an arc, um.
@@ -116,12 +121,13 @@ def aimed(path: NDArray[np.void], vertices: Complex, centres: Complex, exact: Ex
     opens, opened = _nearest(vertices, exact.starts)
     closes, closed = _nearest(vertices, exact.ends)
     true = np.where(opened, exact.starts[opens], np.where(closed, exact.ends[closes], vertices))
-    # The machine stands where it is threaded, and what is too short for two places stays.
+    # The machine stands where it is threaded, and specks stay.
     true[0] = vertices[0]
     places = _whole(true)
-    stays = (np.diff(places) == 0) & (np.diff(vertices) != 0)
-    for way in (places, true):
-        way[1:][stays], way[:-1][stays] = vertices[1:][stays], vertices[:-1][stays]
+    way = abs(np.diff(vertices))
+    stays = (way <= SPECK_UM) & (way > 0)  # which of the near vertices it is cannot be told
+    for ends in (places, true):
+        ends[1:][stays], ends[:-1][stays] = vertices[1:][stays], vertices[:-1][stays]
     rows, centres = path.copy(), centres.copy()
     arc = path["kind"] == Kind.ARC
     middle = vertices[:-1] - centres
@@ -452,8 +458,11 @@ def _arc(
     chords = 2 * sizes * np.sin(np.radians(sweeps) / 2)
     off = abs(chords - length)
     # Landing comes first; how far it is off in its square counts little.
-    cost = np.minimum(stray, 1e3) + 0.05 * off
+    cost = np.minimum(stray, 1e3) + 0.05 * off + np.where(sizes < LEAST_RADIUS_UM, 1e6, 0.0)
     i = int(np.argmin(cost + np.where(off <= CELL_UM, 0.0, 10 + off)))
+    speck = length <= SPECK_UM and off[i] > abs(round(length) - length)
+    if sizes[i] < LEAST_RADIUS_UM or speck:
+        return _line(Kind.LINE, way)
     sweep = float(sweeps[i])
     lean = turn * (sweep / 2 + 90.0)
     heading = float(np.degrees(np.angle(way)))

@@ -1162,4 +1162,41 @@ CODES: dict[str, Code] = {
         "The option would keep another value than the shop means.",
         "Write the value as on the command line; lengths are text with a unit, or mm.",
     ),
+    # --- simulating a machine --------------------------------------------------------------
+    "no-backlash": Code(
+        "The backlash of x and y is not entered.",
+        "The controller refuses to cut: without these figures every reversal would leave the play "
+        "of the screw in the part.",
+        "Give --backlash X,Y in um, as measured at the machine; 0,0 for one without play.",
+    ),
+    "bad-scenario": Code(
+        "The scenario of a simulation cannot be read, at the line named.",
+        "A fault that is left out in silence would show a machine that never failed.",
+        "Put the line right; docs/zd065.md has an example of every entry.",
+    ),
+    "bad-fault": Code(
+        "A fault cannot happen where it is stated.",
+        "It would be left out, and the run would seem to have stood it.",
+        "State a step that the program makes, with the generator on for shorts and breaks.",
+    ),
+    "bad-state": Code(
+        "The saved state of a controller is damaged, or contradicts the program.",
+        "A machine that goes on from a wrong place cuts into the part.",
+        "Take the state as it was written; a program cannot go on from another place.",
+    ),
+    "other-program": Code(
+        "The saved state belongs to another program.",
+        "The machine would go on in the middle of a wrong path.",
+        "Give the program that was running when the state was saved.",
+    ),
+    "alarm": Code(
+        "The simulated machine stopped with an alarm, before the end of the program.",
+        "After 100 um back the short circuit is still there: the part is not cut to its end.",
+        "Give --state FILE, and go on with --resume FILE when the fault is cleared.",
+    ),
+    "table-off": Code(
+        "The table of the simulated machine did not follow the path exactly.",
+        "Backlash that is entered wrong shifts every stretch behind a reversal by the difference.",
+        "Measure the play of both screws again; give the true direction of the last approach.",
+    ),
 }

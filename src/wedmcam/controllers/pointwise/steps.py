@@ -86,7 +86,7 @@ def line_steps(
 
 
 #: (turn, quadrant) -> the step at F >= 0 (inwards) and at F < 0 (outwards), each as (axis, sign).
-_ARC_TABLE: dict[tuple[int, int], tuple[tuple[Axis, int], tuple[Axis, int]]] = {
+ARC_TABLE: dict[tuple[int, int], tuple[tuple[Axis, int], tuple[Axis, int]]] = {
     (+1, 1): ((Axis.X, -1), (Axis.Y, +1)),  # NR1
     (+1, 2): ((Axis.Y, -1), (Axis.X, -1)),
     (+1, 3): ((Axis.X, +1), (Axis.Y, -1)),
@@ -142,7 +142,7 @@ def arc_steps(x: int, y: int, turn: int, axis: Axis, count: int) -> Iterator[Ste
         raise ValueError(f"arc from ({x}, {y}) never ends on {count} steps")
     f = 0
     while count > 0:
-        inwards, outwards = _ARC_TABLE[turn, arc_quadrant(x, y, turn)]
+        inwards, outwards = ARC_TABLE[turn, arc_quadrant(x, y, turn)]
         along, sign = inwards if f >= 0 else outwards
         if axis == Axis.SQUARE:
             counted = along == (Axis.X if abs(x) < abs(y) else Axis.Y)

@@ -1,0 +1,91 @@
+"""Whether a scenario can happen on a route: each fault that cannot is an error with its place."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, error
+from wedmcam.simulate.motion import Setup
+from wedmcam.simulate.process import Answers, Stand, steps_back, way_back
+from wedmcam.simulate.route import Route
+from wedmcam.simulate.scenario import Fault, Scenario, Trouble
+
+
+def check_scenario(
+    scenario: Scenario, route: Route, answers: Answers, setup: Setup, begin: Stand
+) -> list[Diagnostic]:
+    """Return an error for each fault and feed that cannot happen.
+
+    Args:
+        scenario: of a run.
+        route: of its program.
+        answers: of the controller.
+        setup: of the machine.
+        begin: where the run begins.
+    """
+    return [
+        d
+        for fault in scenario.faults
+        for d in (
+            _outside(fault, route, begin)
+            or _generator_off(fault, route, setup)
+            or _not_reached(fault, route)
+            or _power(fault, route, answers, setup)
+        )
+    ]
+
+
+def _outside(fault: Fault, route: Route, begin: Stand) -> list[Diagnostic]:
+    if fault.step > route.steps:
+        text = "{fault}: the program makes {steps} steps"
+        return [error("bad-fault", text, fault.span, fault=str(fault), steps=route.steps)]
+    if fault.step < begin.step:
+        late = "{fault}: the run begins at step {begin}"
+        return [error("bad-fault", late, fault.span, fault=str(fault), begin=begin.step)]
+    return []
+
+
+def _generator_off(fault: Fault, route: Route, setup: Setup) -> list[Diagnostic]:
+    dry = setup.dry_ms is not None
+    off = fault.step > 0 and bool(route.moves[fault.step - 1])
+    if fault.trouble is Trouble.POWER or not (dry or off):
+        return []
+    where = "in a dry run" if dry else "on a positioning move"
+    text = "{fault}: {where} the generator is off; wires neither short nor break"
+    return [error("bad-fault", text, fault.span, fault=str(fault), where=where)]
+
+
+def _not_reached(fault: Fault, route: Route) -> list[Diagnostic]:
+    reached = route.reading(fault.step).block
+    if fault.block is None or fault.block <= reached:
+        return []
+    text = (
+        "{fault}: the machine is in block {reached} there; it returns only to the start of a block "
+        "that it has reached"
+    )
+    return [error("bad-fault", text, fault.span, fault=str(fault), reached=reached)]
+
+
+def _power(fault: Fault, route: Route, answers: Answers, setup: Setup) -> list[Diagnostic]:
+    if fault.pulses:
+        most = take_up_behind(route, fault.step, setup)
+        if fault.pulses > most:
+            text = "{fault}: {most} steps of play are taken up there"
+            return [error("bad-fault", text, fault.span, fault=str(fault), most=most)]
+    after = fault.cut_after
+    if after is not None and fault.trouble is not Trouble.POWER:
+        back = steps_back(route, way_back(route, answers, fault))
+        if after > back:
+            far = "{fault}: the way back has {back} steps, and the power fails behind {after}"
+            return [error("bad-fault", far, fault.span, fault=str(fault), back=back, after=after)]
+    return []
+
+
+def take_up_behind(route: Route, step: int, setup: Setup) -> int:
+    """Return how many steps of play are taken up between a step of the path and the next one."""
+    if step >= route.steps:
+        return 0
+    axis = int(route.axis[step])
+    before = np.flatnonzero(route.axis[:step] == axis)
+    last = int(route.sign[before[-1]]) if len(before) else setup.approach[axis]
+    return setup.backlash[axis] if last != route.sign[step] else 0

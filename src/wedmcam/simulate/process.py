@@ -1,0 +1,318 @@
+"""What the machine does next: forward, back, stopped, off. The path of a run as legs over a route.
+
+Nothing here knows motors or time: a leg counts steps of the route up or down, or goes straight to a
+thread point. What one controller answers to a fault stands in `Answers`.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Any
+
+from wedmcam.simulate.route import Halt, Route
+from wedmcam.simulate.scenario import Fault, Scenario, Trouble, last_thread
+
+
+class Way(StrEnum):
+    """What kind of leg it is."""
+
+    CUT = "cut"  # forward, the generator on (in a dry run: the pen)
+    MOVE = "move"  # forward on a positioning move, the generator off
+    RETREAT = "retreat"  # back along the path from a short circuit
+    RETURN = "return"  # back along the path after a wire break
+    SHORTEST = "shortest"  # straight to the thread point
+
+
+class Mode(StrEnum):
+    """What the controller is about: the state of its state machine."""
+
+    FORWARD = "forward"
+    RETREAT = "retreat"
+    RETURN = "return"
+    SHORTEST = "shortest"
+    ALARM = "alarm"
+    END = "end"
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """Where a process stands between two steps.
+
+    Attributes:
+        mode: what it is about.
+        step: number of its place on the route; while it goes straight to a thread point, of the
+            place where it left the path.
+        target: number of the place at which a way back ends.
+        made: steps of the straight way that are made.
+        short: after a retreat the short circuit is still there.
+        goes_on: the operator clears an alarm, and cuts on.
+    """
+
+    mode: Mode = Mode.FORWARD
+    step: int = 0
+    target: int = 0
+    made: int = 0
+    short: bool = False
+    goes_on: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """Steps of one kind, one after the other.
+
+    Attributes:
+        way: of which kind.
+        first, last: numbers of the places between which it goes; a straight one leaves the path at
+            ``first`` and goes to the place ``last``.
+        made, count: of a straight one: how many of its steps were made before, and are now.
+    """
+
+    way: Way
+    first: int
+    last: int
+    made: int = 0
+    count: int = 0
+
+    @property
+    def steps(self) -> int:
+        """How many steps it makes."""
+        return self.count if self.way is Way.SHORTEST else abs(self.last - self.first)
+
+    def pieces(self, most: int) -> Iterator[Leg]:
+        """Yield the leg in pieces of so many steps at most."""
+        if self.steps <= most:
+            yield self
+        elif self.way is Way.SHORTEST:
+            for made in range(0, self.count, most):
+                count = min(most, self.count - made)
+                yield replace(self, made=self.made + made, count=count)
+        else:
+            up = 1 if self.last > self.first else -1
+            for first in range(self.first, self.last, up * most):
+                rest = self.last - first
+                yield replace(self, first=first, last=first + up * min(most, abs(rest)))
+
+
+@dataclass(frozen=True, slots=True)
+class Incident:
+    """Something that happened between two steps.
+
+    Attributes:
+        kind: start, pause, thread-point, short, clear, alarm, clear-alarm, break, back,
+            power-cut, resume, end.
+        walked: how many steps were made before it, back and forth, in this run.
+        step: number of the place.
+        more: what else there is to say of it.
+    """
+
+    kind: str
+    walked: int
+    step: int
+    more: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """The path of a run.
+
+    Attributes:
+        legs: in their order.
+        incidents: in their order.
+        stand: at its end.
+        cut: the power cut that ended it; None where none did.
+        faults: those that were still to come.
+    """
+
+    legs: tuple[Leg, ...]
+    incidents: tuple[Incident, ...]
+    stand: Stand
+    cut: Fault | None
+    faults: tuple[Fault, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """What a controller does about faults.
+
+    Attributes:
+        retreat: so many steps it goes back from a short circuit at most.
+        shortest: with one thread point it returns to it straight.
+    """
+
+    retreat: int
+    shortest: bool
+
+
+def way_back(route: Route, answers: Answers, fault: Fault) -> Stand:
+    """Return how a controller starts back from a short circuit or a wire break."""
+    step = fault.step
+    thread = last_thread(route, step)
+    if fault.trouble is Trouble.SHORT:
+        # A retreat ends at the last thread point [R]: behind it lies a move without a wire.
+        back = min(fault.length, answers.retreat, step - thread)
+        short = fault.length > back
+        return Stand(Mode.RETREAT, step, step - back, short=short, goes_on=fault.goes_on)
+    if fault.block is not None:
+        return Stand(Mode.RETURN, step, route.start_of(fault.block))
+    if answers.shortest and not route.threads.any():
+        return Stand(Mode.SHORTEST, step, 0)
+    return Stand(Mode.RETURN, step, thread)
+
+
+def steps_back(route: Route, stand: Stand) -> int:
+    """Return how many steps a way back has."""
+    if stand.mode is Mode.SHORTEST:
+        return int(abs(route.place[stand.target] - route.place[stand.step]).sum())
+    return stand.step - stand.target
+
+
+def walk(route: Route, scenario: Scenario, stand: Stand, answers: Answers) -> Walk:
+    """Return the path of a run, up to the end of the program, an alarm, or a power cut.
+
+    Args:
+        route: of the program.
+        scenario: its faults are checked, and lie at or behind ``stand``.
+        stand: where it begins.
+        answers: of the controller.
+    """
+    return _Process(route, answers, stand, scenario.faults).run()
+
+
+class _Process:
+    """The state machine: each method of a mode goes on until the mode changes, or power fails."""
+
+    def __init__(
+        self, route: Route, answers: Answers, stand: Stand, faults: tuple[Fault, ...]
+    ) -> None:
+        self.route, self.answers, self.stand = route, answers, stand
+        self.faults, self.next = faults, 0
+        self.legs: list[Leg] = []
+        self.incidents: list[Incident] = []
+        self.walked = 0
+        self.cut: Fault | None = None
+        # At the very start a halt is still to come; elsewhere the machine was there before.
+        self._halts = self._halts_behind(-1 if stand == Stand() else stand.step)
+
+    def run(self) -> Walk:
+        if self.stand.mode is Mode.ALARM and self.stand.goes_on:
+            self._clear_alarm()
+        while self.cut is None and self.stand.mode not in (Mode.ALARM, Mode.END):
+            if self.stand.mode is Mode.FORWARD:
+                self._go_forward()
+            else:
+                self._go_back()
+        rest = self.faults[self.next :]
+        return Walk(tuple(self.legs), tuple(self.incidents), self.stand, self.cut, rest)
+
+    # --- forward ------------------------------------------------------------------------------
+
+    def _go_forward(self) -> None:
+        """Cut up to the next fault, or the end, and stop at thread points and pauses."""
+        fault = self.faults[self.next] if self.next < len(self.faults) else None
+        goal = self.route.steps if fault is None else fault.step
+        while self._halts and self._halts[-1].step <= goal:
+            halt = self._halts.pop()
+            self._forward_to(halt.step)
+            kind = "thread-point" if halt.thread else "pause"
+            self._log(kind, halt_block=halt.block)
+        self._forward_to(goal)
+        if fault is None:
+            self.stand = replace(self.stand, mode=Mode.END)
+            self._log("end")
+            return
+        self.next += 1
+        if fault.trouble is Trouble.POWER:
+            self._cut_power(fault)
+        elif fault.trouble is Trouble.SHORT:
+            self._short(fault)
+        else:
+            self._break(fault)
+
+    def _forward_to(self, goal: int) -> None:
+        step = self.stand.step
+        for way, last in self._ways(step, goal):
+            self._add(Leg(way, step, last))
+            step = last
+        self.stand = replace(self.stand, step=goal)
+
+    def _ways(self, step: int, goal: int) -> Iterator[tuple[Way, int]]:
+        """Yield the ends of stretches with the generator on, and off."""
+        switches = self.route.switches
+        while step < goal:
+            way = Way.MOVE if self.route.moves[step] else Way.CUT
+            step = min(switches[bisect_right(switches, step)], goal)
+            yield way, step
+
+    def _short(self, fault: Fault) -> None:
+        self._log("short", length=fault.length)
+        self.stand = way_back(self.route, self.answers, fault)
+        self._go_back(fault)
+
+    def _break(self, fault: Fault) -> None:
+        self._log("break")
+        self.stand = way_back(self.route, self.answers, fault)
+        self._go_back(fault)
+
+    # --- ways back ----------------------------------------------------------------------------
+
+    def _go_back(self, fault: Fault | None = None) -> None:
+        """Go back to the target, along the path or straight; the power may fail on the way."""
+        stand = self.stand
+        steps = steps_back(self.route, stand) - stand.made
+        failing = fault if fault is not None and fault.cut_after is not None else None
+        if failing is not None and failing.cut_after is not None:
+            steps = failing.cut_after
+        if stand.mode is Mode.SHORTEST:
+            self._add(Leg(Way.SHORTEST, stand.step, stand.target, stand.made, steps))
+            self.stand = replace(stand, made=stand.made + steps)
+        else:
+            way = Way.RETREAT if stand.mode is Mode.RETREAT else Way.RETURN
+            self._add(Leg(way, stand.step, stand.step - steps))
+            self.stand = replace(stand, step=stand.step - steps)
+        if failing is not None:
+            self._cut_power(failing)
+        else:
+            self._arrive()
+
+    def _arrive(self) -> None:
+        """End a way back: cut on, or stop with an alarm."""
+        stand = self.stand
+        if stand.mode is not Mode.RETREAT:
+            self.stand = Stand(Mode.FORWARD, stand.target)
+            self._log("back")
+        elif stand.short:
+            self.stand = replace(stand, mode=Mode.ALARM)
+            self._log("alarm")
+            if stand.goes_on:
+                self._clear_alarm()
+        else:
+            self.stand = Stand(Mode.FORWARD, stand.step)
+            self._log("clear")
+        self._halts = self._halts_behind(self.stand.step)
+
+    def _clear_alarm(self) -> None:
+        self.stand = Stand(Mode.FORWARD, self.stand.step)
+        self._log("clear-alarm")
+        self._halts = self._halts_behind(self.stand.step)
+
+    # --- all modes ----------------------------------------------------------------------------
+
+    def _cut_power(self, fault: Fault) -> None:
+        self.cut = fault
+        more = {"pulses": fault.pulses} if fault.pulses else {}
+        self._log("power-cut", **more)
+
+    def _halts_behind(self, step: int) -> list[Halt]:
+        """Return the halts that are still to come, the next one last."""
+        return [halt for halt in reversed(self.route.halts) if halt.step > step]
+
+    def _add(self, leg: Leg) -> None:
+        if leg.steps:
+            self.legs.append(leg)
+            self.walked += leg.steps
+
+    def _log(self, kind: str, **more: Any) -> None:
+        self.incidents.append(Incident(kind, self.walked, self.stand.step, more))

@@ -1,0 +1,112 @@
+"""What a simulated machine did: every step, every event, and the figures of the run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from wedmcam.diag import Diagnostic
+from wedmcam.simulate.axis import AxisState
+from wedmcam.simulate.motion import Motion, Setup, batches
+from wedmcam.simulate.process import Leg, Mode
+from wedmcam.simulate.route import Route
+from wedmcam.simulate.state import State
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened, with what the display showed.
+
+    Attributes:
+        kind: as of `process.Incident`.
+        step: number of the place on the path.
+        block: 1-based.
+        j: the count that is left of it.
+        time_s: since the start of the program.
+        walked: steps made before it in this run, back and forth.
+        table_um: where the table stands.
+        more: what else there is to say.
+    """
+
+    kind: str
+    step: int
+    block: int
+    j: int
+    time_s: float
+    walked: int
+    table_um: tuple[int, int]
+    more: Mapping[str, Any] = field(default_factory=dict)
+
+
+def table_of(axes: tuple[AxisState, AxisState], setup: Setup) -> tuple[int, int]:
+    """Return where the table stands, um from the start of the program.
+
+    It is at 0 there, whichever end of the play it came from.
+    """
+    x, y = (
+        axis.motor + axis.slack - (0 if true > 0 else play)
+        for axis, true, play in zip(axes, setup.true_approach, setup.play, strict=True)
+    )
+    return x, y
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Session:
+    """What a machine did between two power cuts.
+
+    Attributes:
+        legs: its path.
+        began: the state at its beginning.
+    """
+
+    legs: tuple[Leg, ...]
+    began: State
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A run from its start to its end.
+
+    Attributes:
+        controller: which.
+        route: of the program.
+        setup: of the machine.
+        feeds: from which step on the feed signal had another frequency.
+        sessions: in their order.
+        events: likewise.
+        state: at the end.
+        walked: how many steps of the path were made, back and forth.
+        pulses: how many steps the motors made.
+        off_um: by how much the table was off the commanded place, the largest on x and on y.
+        findings: what to say of it.
+    """
+
+    controller: str
+    route: Route
+    setup: Setup
+    feeds: tuple[tuple[int, float], ...]
+    sessions: tuple[Session, ...]
+    events: tuple[Event, ...]
+    state: State
+    walked: int
+    pulses: int
+    off_um: tuple[int, int]
+    findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def finished(self) -> bool:
+        """Whether the program was run to its end."""
+        return self.state.stand.mode is Mode.END
+
+    @property
+    def final_um(self) -> tuple[int, int]:
+        """Where the table stands at the end, from the start of the program."""
+        return table_of(self.state.axes, self.setup)
+
+    def motions(self) -> Iterator[Motion]:
+        """Yield every step of the run, some at a time; times from the start of the program."""
+        for one in self.sessions:
+            began = one.began
+            for part in batches(self.route, one.legs, began.axes, self.setup, self.feeds):
+                yield replace(part, time=part.time + began.time_s)

@@ -1,0 +1,206 @@
+"""The controller of the ZD-065: what it does about faults, and a run of it.
+
+Short circuit [S]: 100 um back along the path, through earlier blocks where needed, on again when
+the feed signal is back, else stop and alarm. Wire break [S]: to the thread point, with one thread
+point the shortest way, with several along the path to the last one passed, or to the start of a
+block by its number. Power cut [S]: the state is saved, and cutting goes on from it. 100 um are 100
+steps of the path [R].
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from wedmcam.diag import Diagnostic, error, warning
+from wedmcam.simulate.axis import AxisState, part_taken
+from wedmcam.simulate.checks import check_scenario
+from wedmcam.simulate.motion import Setup, batches
+from wedmcam.simulate.process import Answers, Mode, Stand, Walk, walk
+from wedmcam.simulate.record import Event, Record, Session, table_of
+from wedmcam.simulate.route import Route
+from wedmcam.simulate.scenario import Scenario
+from wedmcam.simulate.state import State, read_state, state_bytes
+
+NAME = "zd065"
+#: 100 um [S] are 100 steps [R]; with one thread point the shortest way back [S].
+ANSWERS = Answers(retreat=100, shortest=True)
+
+
+def initial(route: Route, setup: Setup) -> State:
+    """Return the state of a machine in which the program is entered, and nothing is run yet."""
+    return _state(route, Stand(), setup.at_start(), setup, 0.0)
+
+
+def run(
+    route: Route,
+    scenario: Scenario,
+    setup: Setup,
+    state: State | None = None,
+    *,
+    stop_at_power: bool = False,
+) -> tuple[Record | None, list[Diagnostic]]:
+    """Run a program with everything that a scenario says goes wrong.
+
+    Args:
+        route: of the program.
+        scenario: what happens when.
+        setup: of the machine.
+        state: to go on from, checked; None to begin the program.
+        stop_at_power: a power cut ends the run; else the state is saved, read, and the run goes on.
+
+    Returns:
+        None, and why, where a fault cannot happen.
+    """
+    begin = state or initial(route, setup)
+    wrong = check_scenario(scenario, route, ANSWERS, setup, begin.stand)
+    if wrong:
+        return None, wrong
+    tally = _Tally(route, setup)
+    if state is not None:
+        tally.resume(state)
+    sessions, faults = [], scenario.faults
+    while True:
+        path = walk(route, replace(scenario, faults=faults), begin.stand, ANSWERS)
+        sessions.append(Session(path.legs, begin))
+        axes, seconds = tally.watch(path, begin, scenario.feeds)
+        end = _state_behind(path, axes, begin.time_s + seconds, route, setup)
+        tally.take(path, begin, end)
+        if path.cut is None or stop_at_power:
+            break
+        begin, faults = _through_a_file(end), path.faults
+        tally.resume(begin)
+    record = Record(
+        controller=NAME,
+        route=route,
+        setup=setup,
+        feeds=scenario.feeds,
+        sessions=tuple(sessions),
+        events=tuple(tally.events),
+        state=end,
+        walked=tally.walked,
+        pulses=tally.pulses,
+        off_um=tally.off_um,
+    )
+    return replace(record, findings=tuple(_findings(record))), []
+
+
+class _Tally:
+    """Counts what the machine does, and turns incidents into events: with time, table and J."""
+
+    def __init__(self, route: Route, setup: Setup) -> None:
+        self.route, self.setup = route, setup
+        self.events: list[Event] = []
+        self.walked = self.pulses = 0
+        self.off_um = (0, 0)
+        self._seen: list[tuple[float, tuple[int, int]]] = []
+
+    def watch(
+        self, path: Walk, begin: State, feeds: tuple[tuple[int, float], ...]
+    ) -> tuple[tuple[AxisState, AxisState], float]:
+        """Drive the motors along a walk; return the axes at its end, and how long it takes, s."""
+        axes, seconds, walked = begin.axes, 0.0, 0
+        at = np.array([one.walked for one in path.incidents], dtype=np.int64)
+        self._seen = [(begin.time_s, table_of(begin.axes, self.setup))] * int((at == 0).sum())
+        for part in batches(self.route, path.legs, axes, self.setup, feeds):
+            off = abs(part.table - part.commanded).max(axis=0).tolist()
+            self.off_um = (max(self.off_um[0], off[0]), max(self.off_um[1], off[1]))
+            here = at[(at > walked) & (at <= walked + len(part.step))] - walked - 1
+            times = (begin.time_s + part.time[here]).tolist()
+            self._seen += zip(times, map(tuple, part.table[here].tolist()), strict=True)
+            self.pulses += len(part.step) + int(part.ups.sum())
+            axes, seconds, walked = part.axes, float(part.time[-1]), walked + len(part.step)
+        return axes, seconds
+
+    def take(self, path: Walk, begin: State, end: State) -> None:
+        """Take the incidents of a walk over; a power cut shows the state at its end."""
+        steps = np.array([one.step for one in path.incidents], dtype=np.int64)
+        blocks, _, _, _, counts = (column.tolist() for column in self.route.readings(steps))
+        rows = zip(path.incidents, blocks, counts, self._seen, strict=True)
+        for one, block, j, (time, table) in rows:
+            if one.kind == "power-cut":
+                time, table = end.time_s, table_of(end.axes, self.setup)
+            walked = self.walked + one.walked
+            self.events.append(Event(one.kind, one.step, block, j, time, walked, table, one.more))
+        self.walked += sum(leg.steps for leg in path.legs)
+        self.pulses += path.cut.pulses if path.cut is not None else 0
+
+    def resume(self, state: State) -> None:
+        """Take over that the machine goes on from a state."""
+        table = table_of(state.axes, self.setup)
+        held, step = state.reading, state.stand.step
+        self.events.append(
+            Event("resume", step, held.block, held.j, state.time_s, self.walked, table)
+        )
+
+
+def _state(
+    route: Route, stand: Stand, axes: tuple[AxisState, AxisState], setup: Setup, time_s: float
+) -> State:
+    return State(
+        controller=NAME,
+        program=route.digest,
+        stand=stand,
+        reading=route.reading(stand.step),
+        axes=axes,
+        backlash=setup.backlash,
+        play=setup.play,
+        approach=setup.approach,
+        true_approach=setup.true_approach,
+        dry_ms=setup.dry_ms,
+        time_s=time_s,
+    )
+
+
+def _state_behind(
+    path: Walk, axes: tuple[AxisState, AxisState], time_s: float, route: Route, setup: Setup
+) -> State:
+    """Return the state at the end of a walk; a power cut may fall into a take-up of play."""
+    cut = path.cut
+    if cut is not None and cut.pulses:
+        step = path.stand.step
+        k, sign = int(route.axis[step]), int(route.sign[step])
+        part = part_taken(axes[k], sign, cut.pulses, setup.backlash[k], setup.play[k])
+        axes = (part, axes[1]) if k == 0 else (axes[0], part)
+        time_s += cut.pulses * (setup.dry_ms or setup.return_ms) / 1000
+    return _state(route, path.stand, axes, setup, time_s)
+
+
+def _through_a_file(state: State) -> State:
+    """Return a state as it comes back from its file: nothing else may go on."""
+    data = state_bytes(state)
+    read, findings = read_state(data, "state")
+    assert read is not None, findings
+    return read
+
+
+def _findings(record: Record) -> list[Diagnostic]:
+    """Return what is to know of a run: whether it came to its end, and how exact the table was."""
+    findings = []
+    stand = record.state.stand
+    if stand.mode is Mode.ALARM:
+        text = (
+            "the machine stopped with an alarm at step {step}, block {block}: the short circuit is "
+            "still there, {back} steps back"
+        )
+        short = next(one for one in reversed(record.events) if one.kind == "short")
+        findings.append(
+            error(
+                "alarm",
+                text,
+                None,
+                hint="look at the generator and the wire; then the machine goes on from its state",
+                step=stand.step,
+                block=record.state.reading.block,
+                back=short.step - stand.step,
+            )
+        )
+    x, y = record.off_um
+    if x or y:
+        off = (
+            "the table was off the path by up to {x} um on x and {y} um on y: backlash and play, "
+            "or the entered and the true direction of approach, differ"
+        )
+        findings.append(warning("table-off", off, None, x=x, y=y))
+    return findings

@@ -197,7 +197,8 @@ class _Process:
         self._halts = self._halts_behind(-1 if stand == Stand() else stand.step)
 
     def run(self) -> Walk:
-        if self.stand.mode is Mode.ALARM and self.stand.goes_on:
+        if self.stand.mode is Mode.ALARM:
+            # Who begins a run at an alarm has seen to its cause.
             self._clear_alarm()
         while self.cut is None and self.stand.mode not in (Mode.ALARM, Mode.END):
             if self.stand.mode is Mode.FORWARD:

@@ -83,7 +83,7 @@ def state_bytes(state: State) -> bytes:
         "dry_ms": state.dry_ms,
         "time_s": state.time_s,
     }
-    lines = [f"{json.dumps(name)}: {json.dumps(value)}" for name, value in fields.items()]
+    lines = [f'"{name}": {json.dumps(value)}' for name, value in fields.items()]
     lines.append(f'"sum": "{_sum(lines)}"')
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii")
 

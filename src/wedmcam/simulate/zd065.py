@@ -17,9 +17,9 @@ from wedmcam.diag import Diagnostic, error, warning
 from wedmcam.simulate.axis import AxisState, part_taken
 from wedmcam.simulate.checks import check_scenario
 from wedmcam.simulate.motion import Setup, batches
-from wedmcam.simulate.process import Answers, Mode, Stand, Walk, walk
+from wedmcam.simulate.process import Answers, Incident, Mode, Stand, Walk, walk
 from wedmcam.simulate.record import Event, Record, Session, table_of
-from wedmcam.simulate.route import Route
+from wedmcam.simulate.route import Reading, Route
 from wedmcam.simulate.scenario import Scenario
 from wedmcam.simulate.state import State, read_state, state_bytes
 
@@ -66,7 +66,7 @@ def run(
         sessions.append(Session(path.legs, begin))
         axes, seconds = tally.watch(path, begin, scenario.feeds)
         end = _state_behind(path, axes, begin.time_s + seconds, route, setup)
-        tally.take(path, begin, end)
+        tally.take(path, end)
         if path.cut is None or stop_at_power:
             break
         begin, faults = _through_a_file(end), path.faults
@@ -113,25 +113,32 @@ class _Tally:
             axes, seconds, walked = part.axes, float(part.time[-1]), walked + len(part.step)
         return axes, seconds
 
-    def take(self, path: Walk, begin: State, end: State) -> None:
+    def take(self, path: Walk, end: State) -> None:
         """Take the incidents of a walk over; a power cut shows the state at its end."""
-        steps = np.array([one.step for one in path.incidents], dtype=np.int64)
-        blocks, _, _, _, counts = (column.tolist() for column in self.route.readings(steps))
-        rows = zip(path.incidents, blocks, counts, self._seen, strict=True)
-        for one, block, j, (time, table) in rows:
+        held = [end.reading] if path.cut is not None else []
+        before = path.incidents[: len(path.incidents) - len(held)]
+        if before:
+            columns = self.route.readings(np.array([one.step for one in before], dtype=np.int64))
+            held = [
+                *map(Reading._make, zip(*(column.tolist() for column in columns), strict=True)),
+                *held,
+            ]
+        for one, reading, (time, table) in zip(path.incidents, held, self._seen, strict=True):
             if one.kind == "power-cut":
                 time, table = end.time_s, table_of(end.axes, self.setup)
-            walked = self.walked + one.walked
-            self.events.append(Event(one.kind, one.step, block, j, time, walked, table, one.more))
+            self._add(one, reading, time, table)
         self.walked += sum(leg.steps for leg in path.legs)
         self.pulses += path.cut.pulses if path.cut is not None else 0
 
     def resume(self, state: State) -> None:
         """Take over that the machine goes on from a state."""
-        table = table_of(state.axes, self.setup)
-        held, step = state.reading, state.stand.step
+        again = Incident("resume", 0, state.stand.step)
+        self._add(again, state.reading, state.time_s, table_of(state.axes, self.setup))
+
+    def _add(self, one: Incident, reading: Reading, time_s: float, table: tuple[int, int]) -> None:
+        walked = self.walked + one.walked
         self.events.append(
-            Event("resume", step, held.block, held.j, state.time_s, self.walked, table)
+            Event(one.kind, one.step, reading.block, reading.j, time_s, walked, table, one.more)
         )
 
 

@@ -226,15 +226,16 @@ def test_a_wire_break_at_each_of_20000_steps_leaves_no_trace():
     assert_all_came_back(record, faults)
 
 
-def test_a_power_cut_at_each_of_20000_steps_leaves_no_trace():
+def test_a_power_cut_leaves_no_trace():
+    """At each of 4,000 steps, then at every eighth up to 20,000: each state goes through a file."""
     route = route_of("cam")
-    faults = [Fault(Trouble.POWER, k) for k in range(1, 20_001)]
+    faults = [Fault(Trouble.POWER, k) for k in (*range(1, 4001), *range(4001, 20_001, 8))]
     record, wrong = zd065.run(route, scenario_of(faults), EXACT)
     assert not wrong
     undisturbed = visits(zd065.run(route, scenario_of([]), EXACT)[0])
     assert (visits(record) == undisturbed).all()
     assert record.off_um == (0, 0)
-    assert Counter(event.kind for event in record.events)["resume"] == 20_000
+    assert Counter(event.kind for event in record.events)["resume"] == len(faults)
 
 
 @settings(max_examples=40)

@@ -171,6 +171,12 @@ def page(quick):
     yield ""
     yield from controller_lines(speed, steps)
     yield ""
+    yield "## Simulated machines"
+    yield ""
+    yield "The ZD-065 with backlash, 24 circles and lines; processor time:"
+    yield ""
+    yield from output_of("bench_simulate.py")
+    yield ""
     yield "## Offsets"
     yield ""
     yield (

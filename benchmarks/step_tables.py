@@ -363,12 +363,12 @@ def back_table(block: Block = RETURN) -> str:
         mark = "" if there in cut else " **not cut**"
         back = _step(along, -sign) if n else ""
         lines.append((n, (x, y), f, left, test, back, f"{there}{mark}"))
-    head = ("stands behind step", "at", "F", "J left", "F against 2 y - 2 x - 2", "step undone",
+    head = ("stands behind step", "at", "F", "J left", "F against 2 y - 2 x - 2", "step back",
             "the opposite sense stands at")  # fmt: skip
     return table(head, lines)
 
 
-# --- the page --------------------------------------------------------------------------------------
+# --- the page -------------------------------------------------------------------------------------
 
 #: Name of a part of the page -> what writes it.
 PARTS: dict[str, Callable[[], str]] = {

@@ -3,7 +3,8 @@
 ``docs/codes.md``: every diagnostic with an example that was run, from ``tests/bad``; the same
 examples go into the package for ``wedmcam explain``. ``docs/profiles.md``: every key of a profile.
 ``docs/probe.md``: what the readings of `profile probe` mean. ``docs/modules.md``: what each module
-is for, from the first sentence of its docstring.
+is for, from the first sentence of its docstring. ``docs/zd065.md`` and its pictures: what
+``step_tables`` and ``step_figures`` make of them.
 ``tests/unit/test_pages.py`` demands that they are up to date.
 """
 
@@ -347,11 +348,13 @@ def pages() -> tuple[dict[Path, str], list[str]]:
     shown, wrong = examples()
     text = json.dumps(dict(sorted(shown.items())), indent=1, ensure_ascii=False) + "\n"
     docs = ROOT / "docs"
+    import step_figures
+
     from wedmcam.probe.page import page as probe_page
 
     made = {docs / "codes.md": codes_page(shown), docs / "profiles.md": profiles_page()}
     made |= {docs / "probe.md": probe_page(), docs / "modules.md": modules_page()}
-    return {EXAMPLES: text, **made}, wrong
+    return {EXAMPLES: text, **made, **step_figures.made()}, wrong
 
 
 def main() -> int:
@@ -359,6 +362,7 @@ def main() -> int:
     for what in wrong:
         print(what, file=sys.stderr)
     for path, text in made.items():
+        path.parent.mkdir(exist_ok=True)
         path.write_text(text, "utf-8")
     print(f"{len(made)} files written, {len(wrong)} examples wrong")
     return 1 if wrong else 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -73,6 +74,48 @@ def test_explain_a_published_step_table(tmp_path):
     rows = [text.split() for text in lines[head + 1 : head + 11]]
     assert [r[1] for r in rows] == ["+" + a for a in "xyxyxxyxyx"]
     assert [int(r[4]) for r in rows] == [-4, 2, -2, 4, 0, -4, 2, -2, 4, 0]
+
+
+def test_explain_tells_j_and_draws_a_short_block(tmp_path):
+    """NR4 from (5, -1): a table of all its steps, J to 0, and the stair with their numbers."""
+    program = tmp_path / "arc.zd"
+    program.write_bytes(bytes.fromhex("24 00000005 00000001 000008 01 000300 000400 00"))
+    said = run("explain", program, "--block", 1).stdout.splitlines()
+    head = next(k for k, text in enumerate(said) if text.split()[:2] == ["n", "step"])
+    rows = [text.split() for text in said[head + 1 : head + 12]]
+    assert said[head].split() == ["n", "step", "x", "y", "F", "J"]
+    assert [int(r[5]) for r in rows] == [7, 6, 6, 5, 4, 3, 3, 3, 2, 1, 0]
+    assert "".join(r[1][1] for r in rows) == "yyxyyyxyxxx"
+    stair = next(k for k, text in enumerate(said) if text.startswith("stair"))
+    assert [text.strip() for text in said[stair + 1 : stair + 6]] == [
+        "y", "6  11---10---9----8", "|", "5                 7----6", "|",
+    ]  # fmt: skip
+    # A long one has its first steps, and no stair.
+    said = run("explain", program, "--block", 2).stdout
+    assert "steps      700; the first 12" in said
+    assert "stair" not in said
+
+
+@pytest.mark.parametrize(
+    "record",
+    ["B6B4B6GXL1", "B3B3B3GYL3", "B3B3B3GXL2", "B0B5B5GYL4", "B5B0B8GXNR1", "B3B4B9GYSR3"],
+)
+def test_explain_counts_j_down_to_0(tmp_path, record):
+    """On the axis that the record says, whatever the line table; the last place is the last one of
+    the stair."""
+    program = tmp_path / "one.3b"
+    program.write_text(f"{record}\n")
+    said = run("explain", program, "--block", 1).stdout.splitlines()
+    head, stair = (
+        next(k for k, text in enumerate(said) if text.split()[:1] == [word])
+        for word in ("n", "stair")
+    )
+    rows = [text.split() for text in said[head + 1 : stair]]
+    left = [int(record.split("B")[3].split("G")[0]), *(int(r[5]) for r in rows)]
+    axis = record.split("G")[1][0].lower()
+    assert [a - b for a, b in pairwise(left)] == [r[1][1] == axis for r in rows]
+    assert left[-1] == 0
+    assert any(str(len(rows)) in text for text in said[stair + 1 :])
 
 
 def test_explain_wrong_use():

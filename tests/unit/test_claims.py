@@ -64,11 +64,20 @@ def test_even_numbers_of_copies_cancel(copies):
     assert median < 10
 
 
-def test_play_is_the_most_that_backlash_costs():
-    assert claims.with_play(15, 0) == (15, 15)
-    assert claims.with_play(15, 15) == (0, 0)
+@pytest.mark.parametrize("signs", [*claims.circles(30), *claims.random_steps(20_000)])
+@pytest.mark.parametrize(
+    ("taken_up", "approach", "error"),
+    [(0, 1, 15), (15, 1, 0), (10, 1, 5), (20, 1, 5), (15, -1, 15)],
+)
+def test_play_is_the_most_that_backlash_costs_and_it_does_not_grow(
+    signs, taken_up, approach, error
+):
+    assert claims.with_play(signs, 15, taken_up, approach) == (error, error)
 
 
 def test_going_back():
-    apart, returned, exact = claims.going_back(40)
-    assert (apart, returned, exact) == (1, 40, 40)
+    """The opposite sense runs beside the cut, and does not always end on the start."""
+    back = claims.going_back(200)
+    assert (back.apart, back.exact) == (2**0.5, 200)
+    assert 0.35 < back.not_cut / back.steps < 0.45
+    assert 180 < back.returned < 200

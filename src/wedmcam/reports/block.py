@@ -1,4 +1,7 @@
-"""One block at length: its record, what it draws, why it is counted so, its first steps."""
+"""One block at length: its record, what it draws, why it is counted so, its first steps.
+
+A short block is shown whole: all its steps, and the stair that they make.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,8 @@ import math
 from collections.abc import Iterator
 from itertools import islice
 from typing import TYPE_CHECKING, Any
+
+from wedmcam.reports.stair import MOST_STEPS, fits, stair
 
 if TYPE_CHECKING:
     from wedmcam.controllers import Stepping
@@ -181,11 +186,31 @@ def _ending(
     if total < 0:
         yield "steps      it never ends: no controller can run this block"
         return
-    yield f"steps      {total}; the first {min(SHOWN, total)}, from the start, with F after each"
-    yield "             n  step         x         y              F"
-    for n, s in enumerate(islice(stepping.steps(one[0]), SHOWN), 1):
+    steps = list(islice(stepping.steps(one[0]), MOST_STEPS))
+    places = [(0, 0), *((s.x, s.y) for s in steps)]
+    drawn = total <= MOST_STEPS and fits(places)
+    shown = total if drawn else min(SHOWN, total)
+    yield f"steps      {total}; the first {shown}, from the start, with F and J behind each"
+    yield "             n  step         x         y              F         J"
+    left = int(one["count"][0])
+    for n, s in enumerate(steps[:shown], 1):
+        left -= _counts(one[0], s.axis, places[n - 1])
         step = f"{'+' if s.sign > 0 else '-'}{'x' if s.axis == Axis.X else 'y'}"
-        yield f"         {n:5d}  {step:4} {s.x:9d} {s.y:9d} {s.f:14d}"
+        yield f"         {n:5d}  {step:4} {s.x:9d} {s.y:9d} {s.f:14d} {left:9d}"
+    if drawn:
+        yield "stair      each place with the number of its step; from the start"
+        yield from (f"      {text}".rstrip() for text in stair(places))
     low, high = (float(d[0]) for d in stepping.deviation(one))
     yield f"path       within {max(high, -low) * step_um:.3f} um of its own line or circle"
     yield f"ends at    {_at(*end)} mm, started at {_at(*start)} mm (from the program's start)"
+
+
+def _counts(block: Any, along: Any, place: tuple[int, int]) -> bool:
+    """Return whether a step along an axis, from a place seen from the start, counts in J."""
+    from wedmcam.controllers.pointwise import counts, line_axis
+    from wedmcam.ir.program import Axis, Kind
+
+    axis, x, y = Axis(int(block["axis"])), int(block["x"]), int(block["y"])
+    if block["kind"] == Kind.ARC:
+        return counts(axis, along, x + place[0], y + place[1])
+    return counts(line_axis(x, y, axis) if axis >= Axis.SQUARE else axis, along, *place)

@@ -36,7 +36,7 @@ def explain_command(
     d: tuple[tuple[int, float], ...],
     **params: Any,
 ) -> int:
-    """A diagnostic; or one block of a program: geometry, quadrant, count axis, J, first steps."""
+    """A diagnostic; or one block of a program: geometry, quadrant, count axis, J, steps, stair."""
     if list_:
         print_text(list_codes())
         return 0

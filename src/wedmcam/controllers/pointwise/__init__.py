@@ -14,6 +14,7 @@ from wedmcam.controllers.pointwise.steps import (
     arc_quadrant,
     arc_steps,
     block_steps,
+    counts,
     line_axis,
     line_steps,
 )
@@ -31,6 +32,7 @@ __all__ = [
     "arc_quadrant",
     "arc_steps",
     "block_steps",
+    "counts",
     "deviation",
     "line_axis",
     "line_steps",

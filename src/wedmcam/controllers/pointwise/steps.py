@@ -85,6 +85,24 @@ def line_steps(
         yield step
 
 
+def counts(axis: Axis, along: Axis, x: int, y: int) -> bool:
+    """Return whether a step along ``along`` counts towards J.
+
+    Args:
+        axis: of the block; a line on the square counts on its `line_axis`, which is to be given.
+        along: of the step.
+        x, y: where the step begins, from the centre of an arc; a line does not look at them.
+
+    >>> [counts(Axis.SQUARE, Axis.Y, x, 4) for x in (3, 4, 5)]
+    [False, True, True]
+    """
+    if axis == Axis.SQUARE:
+        return along == (Axis.X if abs(x) < abs(y) else Axis.Y)
+    if axis == Axis.SQUARE_X:
+        return along == (Axis.X if abs(x) <= abs(y) else Axis.Y)
+    return along == axis
+
+
 #: (turn, quadrant) -> the step at F >= 0 (inwards) and at F < 0 (outwards), each as (axis, sign).
 ARC_TABLE: dict[tuple[int, int], tuple[tuple[Axis, int], tuple[Axis, int]]] = {
     (+1, 1): ((Axis.X, -1), (Axis.Y, +1)),  # NR1
@@ -144,12 +162,7 @@ def arc_steps(x: int, y: int, turn: int, axis: Axis, count: int) -> Iterator[Ste
     while count > 0:
         inwards, outwards = ARC_TABLE[turn, arc_quadrant(x, y, turn)]
         along, sign = inwards if f >= 0 else outwards
-        if axis == Axis.SQUARE:
-            counted = along == (Axis.X if abs(x) < abs(y) else Axis.Y)
-        elif axis == Axis.SQUARE_X:
-            counted = along == (Axis.X if abs(x) <= abs(y) else Axis.Y)
-        else:
-            counted = along == axis
+        counted = counts(axis, along, x, y)
         if along == Axis.X:
             f += 2 * sign * x + 1
             x += sign

@@ -10,6 +10,9 @@
 ; Each step, whichever it is, makes u - v smaller by 1 [D]. So the number of steps until |x| = |y| is
 ; known when a quadrant begins: a loop of its own counts them down in X, and none compares x and y. At
 ; |x| = |y| y steps count [R]: where v is y that step still belongs to the first loop.
+;
+; The loops of this file and of line.s stand so that none lies in two pages: a branch into another
+; page takes a cycle more. The tests look.
 
 .scope
 arc:
@@ -162,12 +165,6 @@ _low:   dec less
         rts
 .scend
 
-; NR1..NR4, SR1..SR4: direction of the steps at F >= 0, at F < 0, and the next sector.
-arc_u:  .byte x_minus,y_minus,x_plus,y_plus,   y_minus,x_plus,y_plus,x_minus
-arc_v:  .byte y_plus,x_minus,y_minus,x_plus,   x_plus,y_plus,x_minus,y_minus
-arc_next:
-        .byte 1,2,3,0,  7,4,5,6
-
 ; --- until |x| = |y|: steps along v count ------------------------------------------------------
 before_v:
         .invoke arc_more
@@ -272,3 +269,9 @@ _middle:
         lda less+3
         rts
 .scend
+
+; NR1..NR4, SR1..SR4: direction of the steps at F >= 0, at F < 0, and the next sector.
+arc_u:  .byte x_minus,y_minus,x_plus,y_plus,   y_minus,x_plus,y_plus,x_minus
+arc_v:  .byte y_plus,x_minus,y_minus,x_plus,   x_plus,y_plus,x_minus,y_minus
+arc_next:
+        .byte 1,2,3,0,  7,4,5,6

@@ -27,7 +27,7 @@ reset:
 _clear: sta $00,x
         inx
         bne _clear
-        sta panel               ; the generator is off
+        sta generator               ; the generator is off
         lda #$01
         sta via1_ddrb
         lda #$09                ; both motors on phase A
@@ -38,7 +38,7 @@ _clear: sta $00,x
         sta via2_ddrb
         lda #0
         sta via1_acr
-        lda #$01                ; the feed comes as a rising edge
+        lda #$11                ; feed and key come as rising edges
         sta via1_pcr
         lda #$82                ; bit 7 of the flags is that of the feed
         sta via1_ier
@@ -67,8 +67,7 @@ _clear: sta $00,x
 
 ; The machine stands. Data, play and directions of approach are entered here.
 stand:
-        bit panel
-        bpl stand
+        jsr wait_key
         lda entered
         bne next_block
         lda #no_play            ; without play entered the machine refuses to cut [S]
@@ -91,7 +90,7 @@ next_block:
         ldy #0
         lda (at),y
         bne _block
-        sta panel               ; A is 0: the generator is off
+        sta generator               ; A is 0: the generator is off
         lda #ended
         sta state
 program_end:
@@ -132,9 +131,8 @@ _wait:  lda #1
         lda #waiting
         sta state
         lda #0
-        sta panel
-go_on:  bit panel
-        bpl go_on
+        sta generator
+        jsr wait_key
         ldy phases
         jmp block_done
 
@@ -217,11 +215,21 @@ stop:
         lda #message
         sta shown
         lda #0
-        sta panel
+        sta generator
         lda #stopped
         sta state
 error_end:
         jmp error_end
+
+; Wait until the key is pressed: a press from before does not count.
+wait_key:
+        lda #key
+        sta flags               ; writing a 1 puts a flag out
+key_loop:
+        lda flags
+        and #key
+        beq key_loop
+        rts
 
 ; The block's number, in decimal.
 count_block:
@@ -285,7 +293,7 @@ first_feed:
 _off:   lda #moving
         sta state
         lda #0
-_set:   sta panel
+_set:   sta generator
         ldy phases
         .invoke wait_feed
         lda #j

@@ -13,15 +13,17 @@
 .alias data_end    $3000        ; first address behind the data
 .alias rom         $E000
 
-; --- first 6522: motors, feed, generator ------------------------------------------------------
+; --- first 6522: motors, feed, generator, key --------------------------------------------------
 ; Port A, out: PA0..PA2 phases A, B, C of x, PA3..PA5 those of y.
 ; CA1, in: the feed signal, one edge a step. Its flag goes out when port A is written, so that the
 ;   step itself takes the feed and nothing else has to be done [R]. The interrupt line of this 6522
 ;   is not connected: bit 7 of its flags is only looked at.
-; Port B: PB0 out, 1 the generator cuts; PB7 in, 1 the operator's key 'go on' is pressed.
+; CB1, in: the operator's key 'go on', one edge a press [R].
+; Port B, out: PB0, 1 the generator cuts.
 .alias motors      $A001
-.alias feed        $A00D        ; bit 7: a feed edge came
-.alias panel       $A000
+.alias flags       $A00D        ; bit 7: a feed edge came; bit 4: the key was pressed
+.alias key         $10
+.alias generator   $A000
 .alias via1_ddrb   $A002
 .alias via1_ddra   $A003
 .alias via1_acr    $A00B

@@ -124,7 +124,7 @@ _taken: ldx keep
 pause_step:
         ldx pace
         beq _done
-_ms:    lda #199                ; 199 times 5 cycles
+_ms:    lda #137                ; 137 times 7 cycles, and 41 around the first ms
 _beat:  sec
         sbc #1
         bne _beat

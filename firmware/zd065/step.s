@@ -3,7 +3,7 @@
 
 ; The generator lets the machine step when the gap allows it [S]. One edge, one step [R].
 .macro wait_feed
-_wait:  bit feed
+_wait:  bit flags
         bpl _wait
 .macend
 

@@ -26,6 +26,9 @@ SOURCE = ROOT / "firmware" / "zd065" / "main.s"
 ROM = 0xE000
 #: Bytes that stand for one step: F, J and the number of the block, as in map.s.
 RECORD = slice(0x10, 0x1B)
+#: The flags of a 6522 while a feed edge waits: bit 7 any that is enabled, bit 1 CA1.
+FEED = 0x82
+ALWAYS = 2**63
 #: Instructions between two looks at where the machine is.
 CHUNK = 2000
 
@@ -49,6 +52,7 @@ def assemble(folder):
     """Return the `Image`, assembled into a folder."""
     out, table = Path(folder) / "zd065.bin", Path(folder) / "zd065.map"
     script = "import sys; from Ophis.Main import run_ophis; sys.exit(run_ophis(sys.argv[1:]))"
+    # A branch out of reach is to be an error, not two instructions without a word.
     options = ["-q", "--no-branch-extend", "-m", str(table), "-o", str(out), str(SOURCE)]
     done = subprocess.run([sys.executable, "-c", script, *options], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -65,8 +69,8 @@ class Machine:
 
     Attributes:
         memory: 65,536 bytes.
-        writes: (steps made, address, byte) of every write to a port but that of the motors.
-        timed: cycles are counted, at a third of the speed.
+        writes: (steps made, address, byte) of every other write to a port.
+        timed: cycles are counted, which takes half as long again.
     """
 
     def __init__(self, image, timed=False):
@@ -76,11 +80,11 @@ class Machine:
         self.mpu = MPU(self.memory, None)
         self._ports, self._zero_page = bytearray(), bytearray()
         self._cycles, self.writes, self._most = [], [], None
-        self.pulses_left = None
+        self.pulses_left, self.presses_left = 0, 0
         self.mpu.instruct = [*MPU.instruct]
         self.mpu.instruct[0x8D] = self._store()
         self.mpu.reset()
-        self._until("stand")
+        self._until("key_loop")
         self.first_phases = self._ports[-1]
         self.forget()
 
@@ -101,10 +105,15 @@ class Machine:
         signed = value < 0
         self.memory[at : at + size] = list(value.to_bytes(size, "little", signed=signed))
 
-    def feed(self, pulses=None):
-        """Let the feed signal come always, or so often, each when the one before is taken."""
+    def feed(self, pulses=ALWAYS):
+        """Let the feed signal come so often, each time when the pulse before is taken."""
         self.pulses_left = pulses
-        self["feed"] = 0x82 if pulses is None or pulses > 0 else 0
+        self["flags"] = self["flags"] & 0x10 | (FEED if pulses else 0)
+
+    def press(self, times=ALWAYS):
+        """Let the operator press the key so often, each time when the machine waits for it."""
+        self.presses_left = times - 1
+        self["flags"] |= self.names["key"]
 
     def forget(self):
         """Empty the record of steps and writes; the motors stay as they are."""
@@ -116,13 +125,13 @@ class Machine:
         self.writes.clear()
 
     def load(self, data, play=(0, 0)):
-        """Put a program into memory, enter play, let feed come and the key be pressed."""
+        """Put a program into memory, enter play, and let feed and operator never wait."""
         at = self.names["data"]
         self.memory[at : at + len(data)] = list(data)
         self["play_x"], self["play_y"] = play
         self["entered"] = 1
         self.feed()
-        self["panel"] |= 0x80
+        self.press()
 
     def run(self, most=None, instructions=2**31):
         """Run until the program has ended, an error, or ``most`` steps are recorded.
@@ -134,11 +143,11 @@ class Machine:
         self._most = most
         go = self._timed if self.timed else self._fast
         with contextlib.suppress(StopIteration):
-            for _ in range(0, instructions, CHUNK):
+            for done in range(0, instructions, CHUNK):
                 if self.mpu.pc in ends:
-                    return True
-                go(CHUNK)
-        return False
+                    break
+                go(min(CHUNK, instructions - done))
+        return self.mpu.pc in ends
 
     def jump(self, name):
         """Go on at a label of the interpolator, where Y is what the motors' port shows."""
@@ -161,8 +170,15 @@ class Machine:
             instruct[memory[pc]](mpu)
 
     def _timed(self, count):
+        mpu, memory, instruct = self.mpu, self.memory, self.mpu.instruct
         for _ in repeat(None, count):
-            self.mpu.step()
+            pc = mpu.pc
+            code = memory[pc]
+            mpu.pc = pc + 1
+            mpu.excycles = 0
+            mpu.addcycles = mpu.extracycles[code]
+            instruct[code](mpu)
+            mpu.processorCycles += mpu.cycletime[code] + mpu.excycles
 
     def _store(self):
         """Return STA absolute, which also is what the ports do."""
@@ -179,8 +195,8 @@ class Machine:
                 zero_page.extend(memory[RECORD])
                 if here.timed:
                     here._cycles.append(mpu.processorCycles)
-                if here.pulses_left is not None:
-                    here._take_feed()
+                if here.pulses_left != ALWAYS:
+                    here.feed(max(here.pulses_left - 1, 0))
                 if len(ports) == here._most:
                     raise StopIteration  # so many steps as were asked for
             else:
@@ -188,17 +204,16 @@ class Machine:
 
         return store
 
-    def _take_feed(self):
-        """Writing port A puts the flag of CA1 out; then the next pulse comes, if there is one."""
-        self.pulses_left -= self.pulses_left > 0
-        self["feed"] = 0x82 if self.pulses_left else 0
-
     def _write(self, address, value):
-        """Store at any other port; inputs of port B stay what they are."""
-        if address == self.names["panel"]:
-            value = (self.memory[address] & 0x80) | (value & 0x7F)
+        """Store at another port: a flag goes out where a 1 is written."""
+        if address == self.names["flags"]:
+            value = self.memory[address] & ~value
+            if self.presses_left:
+                self.presses_left -= 1
+                value |= self.names["key"]
+        else:
+            self.writes.append((len(self._ports), address, value))
         self.memory[address] = value
-        self.writes.append((len(self._ports), address, value))
 
 
 @dataclass(frozen=True)

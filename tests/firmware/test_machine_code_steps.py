@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from blocks import arc, cut, line
 from expected import (
     assert_same,
     blocks_of,
@@ -41,20 +42,6 @@ def golden():
         return steps <= MOST_STEPS and path.stat().st_size <= MEMORY
 
     return [path.name for path in sorted(GOLDEN.glob("*.zd")) if is_run(path)]
-
-
-def arc(group, quadrant, x, y, count):
-    return bytes([group + quadrant]) + to_bcd(x, 4) + to_bcd(y, 4) + to_bcd(count, 3)
-
-
-def line(group, quadrant, x, y):
-    return bytes([group + quadrant]) + to_bcd(x, 3) + to_bcd(y, 3)
-
-
-def cut(machine, data, most=None):
-    machine.load(data + b"\0")
-    machine.run(most)
-    return machine.record()
 
 
 def test_there_are_golden_programs():

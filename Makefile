@@ -1,6 +1,6 @@
 # Everything sets itself up from nothing but Python 3.11 or later: its own virtual environment in
 # .venv, versions pinned in requirements.txt.
-.PHONY: help setup demo test hunt lint bench bench-against same-as docs golden clean
+.PHONY: help setup demo test hunt lint bench bench-against same-as docs golden firmware clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -25,6 +25,7 @@ help:
 	@echo "make bench-against REV=..  this tree against a revision, row by row"
 	@echo "make same-as REV=..        what a move must not change: programs, certificates, --json, plans"
 	@echo "make docs    write the reference pages anew (docs/codes.md, docs/profiles.md)"
+	@echo "make firmware  assemble the machine code of the ZD-065, build/zd065.bin"
 	@echo "make golden  write the golden programs anew (look at the difference!)"
 
 setup: $(READY)
@@ -71,6 +72,11 @@ docs: $(READY)
 
 golden: $(READY)
 	$(BIN)/python -m pytest -q tests/golden --update-golden
+
+firmware: $(READY)
+	@mkdir -p build
+	$(BIN)/ophis -q --no-branch-extend -m build/zd065.map -o build/zd065.bin firmware/zd065/main.s
+	@echo "build/zd065.bin is the image of \$$E000..\$$FFFF; build/zd065.map has its labels"
 
 clean:
 	rm -rf $(VENV) demo build

@@ -1,0 +1,90 @@
+"""Under what a run takes place, as far as it is stated: by options, by a scenario file, by a state.
+
+Each of them may leave out what another says; what nobody says is usual. `setup_of` makes of it what
+the motors need.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+from wedmcam.simulate.motion import Setup
+from wedmcam.simulate.scenario import Fault
+
+Pair = tuple[int, int]
+
+#: Steps a second of the feed signal where none is stated: 2.4 mm a minute.
+FEED = 40.0
+#: Delay of a step on a way back, ms, where none is stated.
+RETURN_MS = 5
+#: Backlash and play have four digits, and so have delays [S].
+LARGEST = 9999
+#: Steps a second that a feed signal may have.
+FEEDS = (0.001, 100_000.0)
+#: Random faults that a run may have.
+MOST_RANDOM = 9999
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """What is stated of a run; None where it is not.
+
+    Attributes:
+        backlash: of x and y as entered, um.
+        play: of the screws, um.
+        approach: directions of the last approach as entered, +1 or -1.
+        true_approach: as they were.
+        feed: of the generator's signal, steps a second.
+        return_ms: delay of a step on ways back and moves, and of taking up play.
+        dry_ms: delay of a step of a dry run.
+        random: how many random faults, and the seed.
+        faults: what goes wrong.
+        feeds: from which step on the feed signal has another frequency.
+    """
+
+    backlash: Pair | None = None
+    play: Pair | None = None
+    approach: Pair | None = None
+    true_approach: Pair | None = None
+    feed: float | None = None
+    return_ms: int | None = None
+    dry_ms: int | None = None
+    random: Pair | None = None
+    faults: tuple[Fault, ...] = ()
+    feeds: tuple[tuple[int, float], ...] = ()
+
+    def over(self, other: Conditions) -> Conditions:
+        """Return these conditions, and another's where these say nothing; faults of both."""
+        values: dict[str, Any] = {}
+        for one in fields(self):
+            mine, theirs = getattr(self, one.name), getattr(other, one.name)
+            if isinstance(mine, tuple) and one.name in ("faults", "feeds"):
+                values[one.name] = (*theirs, *mine)
+            else:
+                values[one.name] = theirs if mine is None else mine
+        return Conditions(**values)
+
+    def with_faults(self, faults: Sequence[Fault]) -> Conditions:
+        """Return these conditions with more faults."""
+        return replace(self, faults=(*self.faults, *faults))
+
+
+def setup_of(c: Conditions, backlash: Pair) -> Setup:
+    """Return the machine of a run.
+
+    Args:
+        c: what is stated.
+        backlash: what is entered, or goes for entered: a dry run takes up no play by itself.
+    """
+    approach = c.approach or (1, 1)
+    return Setup(
+        backlash=backlash,
+        play=c.play or backlash,
+        approach=approach,
+        true_approach=c.true_approach or approach,
+        feed=c.feed or FEED,
+        return_ms=c.return_ms or RETURN_MS,
+        dry_ms=c.dry_ms,
+    )

@@ -1,0 +1,299 @@
+"""Simulate a machine: a program runs with everything that a scenario says goes wrong.
+
+The program is read as the controller reads it, in its own frame; then `simulate` runs it. What is
+entered comes from the caller, from a scenario file and, where a run goes on, from its state.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from wedmcam.diag import Diagnostic, FileSpan, error, has_errors
+from wedmcam.diag.run import Refused, Run, WrongUse
+from wedmcam.files import Source, bytes_of
+from wedmcam.ir.program import Program
+from wedmcam.judge.certificate import finding_data
+from wedmcam.machines import reading
+from wedmcam.operations.profiles import reader_machine
+from wedmcam.simulate import zd065
+from wedmcam.simulate.conditions import Conditions, setup_of
+from wedmcam.simulate.motion import Setup
+from wedmcam.simulate.process import Mode
+from wedmcam.simulate.read import read_scenario
+from wedmcam.simulate.record import Record
+from wedmcam.simulate.route import Route, lay
+from wedmcam.simulate.scenario import HOW, Fault, Scenario, drawn, fault_of, scenario_of
+from wedmcam.simulate.state import State, check_state, read_state, state_bytes
+from wedmcam.targets import Entries, target_of
+
+#: Controller -> format of the programs that it runs.
+CONTROLLERS = {"zd065": "compact"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """What came of a run.
+
+    Attributes:
+        input: name of the program.
+        controller: of the machine.
+        sha256: of the program's bytes.
+        record: what the machine did; None where it ran nothing.
+        findings: in order.
+        cut_short: a power cut ended the run on purpose: its state is there to go on from.
+    """
+
+    input: str
+    controller: str
+    sha256: str
+    record: Record | None
+    findings: tuple[Diagnostic, ...]
+    cut_short: bool = False
+
+    @property
+    def ok(self) -> bool:
+        """Whether the program was run to its end, or to the power cut that should end it."""
+        return (
+            self.record is not None
+            and not has_errors(self.findings)
+            and (self.record.finished or self.cut_short)
+        )
+
+    @property
+    def status(self) -> int:
+        """Exit status: 0, or 1 where the input has errors or the machine stopped with an alarm."""
+        return int(not self.ok)
+
+    @property
+    def state(self) -> bytes | None:
+        """The file from which the run goes on; None where it is at its end, or nothing was run."""
+        if self.record is None or self.record.finished:
+            return None
+        return state_bytes(self.record.state)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Everything in numbers, as ``--json`` prints it."""
+        facts: dict[str, Any] = {
+            "input": self.input,
+            "sha256": self.sha256,
+            "controller": self.controller,
+            "ok": self.ok,
+        }
+        if self.record is not None:
+            facts |= _figures(self.record)
+        facts["diagnostics"] = [finding_data(d) for d in self.findings]
+        return facts
+
+
+def simulate(
+    source: Source,
+    *,
+    controller: str = "zd065",
+    scenario: Source | None = None,
+    resume: Source | None = None,
+    faults: Sequence[str | Fault] = (),
+    stop_at_power: bool = False,
+    name: str | None = None,
+    **stated: Any,
+) -> Simulation:
+    """Run a program on a simulated controller, with faults.
+
+    Args:
+        source: a program that the controller reads: for the ZD-065 its cutting format.
+        controller: "zd065".
+        scenario: a TOML file, or its bytes: what happens.
+        resume: a state, or its bytes: go on from there.
+        faults: more faults, ``short@STEP:LENGTH_UM``, ``break@STEP[:BLOCK]``,
+            ``power@STEP[+PULSES]``, or `Fault` values.
+        stop_at_power: a power cut ends the run, and its state is returned; else the state is saved,
+            read, and the run goes on.
+        name: of the program, in findings.
+        **stated: other fields of `Conditions`: ``backlash=(12, 15)`` (um; without it the machine
+            refuses to cut), ``play``, ``approach``, ``true_approach``, ``feed`` (steps a second),
+            ``return_ms``, ``dry_ms``, ``random=(count, seed)``. They win over the scenario.
+
+    Raises:
+        WrongUse: an unknown controller, a text that is no fault, or other figures than those of the
+            state.
+        OSError: a path cannot be read.
+    """
+    if controller not in CONTROLLERS:
+        raise WrongUse(f"no controller is called '{controller}': {' or '.join(CONTROLLERS)}")
+    data, name = bytes_of(source, name)
+    sha256 = hashlib.sha256(data).hexdigest()
+    conditions = Conditions(faults=tuple(map(_fault, faults)), **stated)
+    run = Run()
+    record: Record | None = None
+    try:
+        program = run("read", _read_program(data, name, controller))
+        if scenario is not None:
+            text, file = bytes_of(scenario, None if isinstance(scenario, str) else "scenario")
+            conditions = conditions.over(run("scenario", _read_scenario(text, file)))
+        route = lay(program, reading(CONTROLLERS[controller]).stepping)
+        state = None if resume is None else run("state", _resumed(resume, route))
+        setup = run("enter", _entered(conditions, state, name))
+        happens = _scenario_of(conditions, route)
+        record = run("run", zd065.run(route, happens, setup, state, stop_at_power=stop_at_power))
+        run.add("run", record.findings)
+    except Refused:
+        pass
+    cut = stop_at_power and record is not None and _ended_by_power(record)
+    return Simulation(name, controller, sha256, record, tuple(run.findings), cut)
+
+
+def _ended_by_power(record: Record) -> bool:
+    mode = record.state.stand.mode
+    return not record.finished and mode is not Mode.ALARM
+
+
+def _fault(text: str | Fault) -> Fault:
+    if isinstance(text, Fault):
+        return text
+    fault = fault_of(text)
+    if fault is None:
+        raise WrongUse(f"'{text}' is no fault: {HOW}")
+    return fault
+
+
+def _read_program(
+    data: bytes, name: str, controller: str
+) -> tuple[Program | None, list[Diagnostic]]:
+    """Return the program as the controller reads it: of another format only why not."""
+    wanted = CONTROLLERS[controller]
+    machine = reader_machine(data, name, None, None)
+    if machine.format != wanted:
+        return None, [_other_format(machine.format, name)]
+    # The built-in profile: the frame of the controller, whose axes nothing exchanges.
+    program, findings = target_of(reading(wanted)).read(data, name, Entries())
+    if not has_errors(findings) and not len(lay(program, machine.stepping).axis):
+        found = error("empty-program", "the program makes no step", FileSpan(name))
+        return None, [*findings, found]
+    return program, list(findings)
+
+
+def _other_format(format_: str, name: str) -> Diagnostic:
+    more = {
+        "rotation": " --copies N --angle DEGREES",
+        "compensation": " --gap LENGTH --side die",
+    }.get(format_, "")
+    return error(
+        "other-format",
+        "the ZD-065 cuts programs in its cutting format; this one is in the format {format}",
+        FileSpan(name),
+        hint="wedmcam convert {file} -o NAME.zd{more} makes one of it",
+        format=format_,
+        file=name,
+        more=more,
+    )
+
+
+def _read_scenario(data: bytes, name: str) -> tuple[Conditions | None, list[Diagnostic]]:
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        text = "this is not UTF-8"
+        return None, [error("bad-scenario", "the file is no text in UTF-8", FileSpan(name))]
+    return read_scenario(text, name)
+
+
+def _resumed(resume: Source, route: Route) -> tuple[State | None, list[Diagnostic]]:
+    data, name = bytes_of(resume, None if isinstance(resume, str) else "state")
+    state, findings = read_state(data, name)
+    if state is None:
+        return None, findings
+    wrong = check_state(state, route, data.decode("ascii"), name)
+    return (None, wrong) if wrong else (state, [])
+
+
+def _entered(
+    c: Conditions, state: State | None, name: str
+) -> tuple[Setup | None, list[Diagnostic]]:
+    """Return the machine of a run: without backlash figures it refuses to cut.
+
+    Raises:
+        WrongUse: other figures than those of the state.
+    """
+    if state is not None:
+        c = _as_saved(c, state)
+    if c.backlash is not None:
+        return setup_of(c, c.backlash), []
+    if c.dry_ms is not None:
+        # No play is entered for the pen, and it is given none.
+        return setup_of(c, (0, 0)), []
+    text = "the backlash of x and y is not entered: the controller refuses to cut"
+    hint = "--backlash X,Y in um, as measured at the machine; 0,0 for one without play"
+    return None, [error("no-backlash", text, FileSpan(name), hint=hint)]
+
+
+def _as_saved(c: Conditions, state: State) -> Conditions:
+    """Return conditions with the figures of a state, which may be stated, but not otherwise."""
+    saved = {
+        "backlash": state.backlash,
+        "play": state.play,
+        "approach": state.approach,
+        "true_approach": state.true_approach,
+        "dry_ms": state.dry_ms,
+    }
+    for field, value in saved.items():
+        mine = getattr(c, field)
+        if mine is not None and mine != value:
+            raise WrongUse(
+                f"{field.replace('_', ' ')} is {_shown(mine)} here and {_shown(value)} in the "
+                "state: the machine goes on as it was"
+            )
+    return replace(c, **saved)
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "none"
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _scenario_of(c: Conditions, route: Route) -> Scenario:
+    random = () if c.random is None else drawn(c.random[1], c.random[0], route)
+    return scenario_of((*c.faults, *random), c.feeds)
+
+
+def _figures(record: Record) -> dict[str, Any]:
+    """Return the figures of a run."""
+    x, y = record.state.axes
+    setup, route = record.setup, record.route
+    pair: Callable[[Any], list[int]] = list
+    return {
+        "finished": record.finished,
+        "blocks": len(route.program.blocks),
+        "steps": route.steps,
+        "walked": record.walked,
+        "pulses": record.pulses,
+        "take_up_pulses": record.pulses - record.walked,
+        "final_um": pair(record.final_um),
+        "motor_um": [x.motor, y.motor],
+        "commanded_um": route.place[record.state.stand.step].tolist(),
+        "off_um": pair(record.off_um),
+        "time_s": round(record.state.time_s, 6),
+        "backlash_um": pair(setup.backlash),
+        "play_um": pair(setup.play),
+        "approach": pair(setup.approach),
+        "true_approach": pair(setup.true_approach),
+        "dry_ms": setup.dry_ms,
+        "thread_points": route.threads.tolist(),
+        "stopped_at": None if record.finished else record.state.stand.step,
+        "events": [
+            {
+                "event": event.kind,
+                "step": event.step,
+                "block": event.block,
+                "j": event.j,
+                "time_s": round(event.time_s, 6),
+                "walked": event.walked,
+                "table_um": pair(event.table_um),
+                **event.more,
+            }
+            for event in record.events
+        ],
+    }

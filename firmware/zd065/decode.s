@@ -4,7 +4,7 @@
 ; bytes binary; J stays as it is. The quadrant in the instruction says the signs; on an axis the
 ; wrong neighbour becomes the one that the block enters [S]. Anything else is an error [R].
 
-; Look at the instruction at `at`; length A in bytes. C = 1 where the block does not fit the data.
+; Set `next` behind a block of A bytes. C = 1 where the block does not fit the data.
 .scope
 measure:
         clc

@@ -27,7 +27,7 @@ reset:
 _clear: sta $00,x
         inx
         bne _clear
-        sta generator               ; the generator is off
+        sta generator           ; the generator is off
         lda #$01
         sta via1_ddrb
         lda #$09                ; both motors on phase A
@@ -90,7 +90,7 @@ next_block:
         ldy #0
         lda (at),y
         bne _block
-        sta generator               ; A is 0: the generator is off
+        sta generator           ; A is 0: the generator is off
         lda #ended
         sta state
 program_end:
@@ -157,11 +157,13 @@ _arc:   lda #12
         ldy #11
         jsr check_digits
         bcs _digit
-        ldy #1
-        jsr over_ten_million
+        ldy #1                  ; 11,000,000 and more may not fit 3 bytes
+        lda (at),y
+        cmp #$11
         bcs _large
         ldy #5
-        jsr over_ten_million
+        lda (at),y
+        cmp #$11
         bcs _large
         ldx #4
         jsr convert_both
@@ -221,7 +223,7 @@ stop:
 error_end:
         jmp error_end
 
-; Wait until the key is pressed: a press from before does not count.
+; Wait until the key is pressed: a press from before does not count, nor does a feed edge.
 wait_key:
         lda #key
         sta flags               ; writing a 1 puts a flag out
@@ -229,6 +231,8 @@ key_loop:
         lda flags
         and #key
         beq key_loop
+        lda #feed
+        sta flags
         rts
 
 ; The block's number, in decimal.
@@ -243,22 +247,6 @@ count_block:
         sta number+1
         cld
         rts
-
-; C = 1 where the 4 bytes of BCD from byte Y of the block on are over 10,000,000.
-.scope
-over_ten_million:
-        lda (at),y
-        cmp #$10
-        bne _done
-        iny
-        lda (at),y
-        iny
-        ora (at),y
-        iny
-        ora (at),y
-        cmp #1
-_done:  rts
-.scend
 
 ; C = 1 where x + y < 2, that is R^2 < 2.
 .scope

@@ -21,7 +21,8 @@
 ; CB1, in: the operator's key 'go on', one edge a press [R].
 ; Port B, out: PB0, 1 the generator cuts.
 .alias motors      $A001
-.alias flags       $A00D        ; bit 7: a feed edge came; bit 4: the key was pressed
+.alias flags       $A00D        ; bits 7 and 1: a feed edge came; bit 4: the key was pressed
+.alias feed        $02
 .alias key         $10
 .alias generator   $A000
 .alias via1_ddrb   $A002

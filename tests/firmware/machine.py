@@ -133,8 +133,10 @@ class Machine:
         self.feed()
         self.press()
 
-    def run(self, most=None, instructions=2**31):
+    def run(self, most=None, instructions=20_000_000):
         """Run until the program has ended, an error, or ``most`` steps are recorded.
+
+        A program that goes wrong may never end: so many instructions are 600,000 steps.
 
         Returns:
             Whether it stopped by itself.
@@ -195,8 +197,7 @@ class Machine:
                 zero_page.extend(memory[RECORD])
                 if here.timed:
                     here._cycles.append(mpu.processorCycles)
-                if here.pulses_left != ALWAYS:
-                    here.feed(max(here.pulses_left - 1, 0))
+                here._take_feed()
                 if len(ports) == here._most:
                     raise StopIteration  # so many steps as were asked for
             else:
@@ -204,10 +205,17 @@ class Machine:
 
         return store
 
+    def _take_feed(self):
+        """Put the flag of the feed out; the next pulse sets it again, if there is one."""
+        if self.pulses_left != ALWAYS:
+            self.feed(max(self.pulses_left - 1, 0))
+
     def _write(self, address, value):
         """Store at another port: a flag goes out where a 1 is written."""
         if address == self.names["flags"]:
-            value = self.memory[address] & ~value
+            if value & self.names["feed"]:
+                self._take_feed()
+            value = self.memory[address] & ~(value & self.names["key"])
             if self.presses_left:
                 self.presses_left -= 1
                 value |= self.names["key"]

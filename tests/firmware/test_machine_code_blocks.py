@@ -68,6 +68,11 @@ ERRORS = [
     ("too_large", arc(CCW, 2, 1, 10_000_000, 5)),
     ("too_large", arc(CCW, 3, 8_000_000, 6_000_001, 5)),
     ("too_large", arc(CCW, 4, 7_071_068, 7_071_068, 5)),
+    ("too_large", arc(CCW, 1, 7_999_999, 6_999_999, 5)),
+    ("too_large", arc(CCW, 1, 6_999_999, 7_999_999, 5)),
+    ("too_large", arc(CCW, 1, 0x980000, 1_000_000, 5)),
+    ("too_large", arc(CCW, 1, 10_999_999, 0, 5)),
+    ("too_large", arc(CW, 1, 0, 16_777_217, 5)),
     ("too_large", arc(CCW, 4, 99_999_999, 99_999_999, 5)),
 ]
 
@@ -188,6 +193,21 @@ def test_a_thread_point_and_a_pause_wait_for_the_key(machine, code):
         machine.press(1)
     machine.run()
     assert len(machine.record().dx) == 2 * GOOD_STEPS
+
+
+def test_a_feed_from_before_a_pause_makes_no_step(machine):
+    machine.load(GOOD + bytes([PAUSE]) + GOOD + b"\0")
+    machine.press(1)
+    machine.feed(1 + GOOD_STEPS + 1)  # the first one comes before the start
+    machine.run(instructions=20_000)
+    assert machine["flags"] & machine.names["feed"]
+    machine.press(1)
+    machine.run(instructions=20_000)
+    assert len(machine.record().dx) == GOOD_STEPS
+    assert machine["state"] == machine.names["cutting"]
+    machine.feed(1)
+    machine.run(instructions=20_000)
+    assert len(machine.record().dx) == GOOD_STEPS + 1
 
 
 def test_the_generator_cuts_lines_and_arcs_alone(machine):

@@ -94,6 +94,8 @@ some_arcs = st.builds(
 @given(st.lists(some_lines | some_arcs, min_size=1, max_size=4))
 @example([arc(CCW, 1, 1, 1, 900), arc(CW, 2, 1, 1, 900)])  # u = 0 before |x| = |y|
 @example([arc(CCW, 1, 128, 0, 950), arc(CW, 1, 0, 32768, 900)])  # 2u - 1 borrows at once
+@example([arc(CCW, 1, 5_000_000, 8_388_600, 50), arc(CCW, 1, 8_388_612, 5_000_000, 50)])
+@example([arc(CW, 2, 30_000, 32_760, 50), arc(CW, 2, 32_772, 30_000, 50)])
 @example([arc(CCW, 3, 8_388_608, 0, 100), arc(CW, 2, 5_000_000, 5_000_000, 100)])
 @settings(max_examples=60)
 def test_random_blocks_of_up_to_2000_steps(image, blocks):

@@ -1169,6 +1169,16 @@ CODES: dict[str, Code] = {
         "of the screw in the part.",
         "Give --backlash X,Y in um, as measured at the machine; 0,0 for one without play.",
     ),
+    "other-format": Code(
+        "The program is not in the format that the simulated controller reads.",
+        "Each controller runs its own format; bytes of another one mean something else to it.",
+        "Convert the program: wedmcam convert PROGRAM -o NAME.zd, and what is entered beside it.",
+    ),
+    "empty-program": Code(
+        "The program makes no step.",
+        "There is nothing to simulate; an empty program would look like success.",
+        "Look at it with wedmcam dump.",
+    ),
     "bad-scenario": Code(
         "The scenario of a simulation cannot be read, at the line named.",
         "A fault that is left out in silence would show a machine that never failed.",

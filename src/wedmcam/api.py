@@ -31,16 +31,20 @@ if TYPE_CHECKING:
     from wedmcam.operations.memory import show as show_memory
     from wedmcam.operations.profiles import machine_for, machine_issued, starts_of
     from wedmcam.operations.read import figures, read_program
+    from wedmcam.operations.simulate import Simulation, simulate
     from wedmcam.operations.verify import verify, with_images
     from wedmcam.options import options_in_mm
     from wedmcam.programs.places import block_ends as positions
     from wedmcam.programs.places import minutes
+    from wedmcam.reports.picture.simulation import plot_run, plot_run_html
     from wedmcam.reports.plot import path_drawing, plot, plot_html
+    from wedmcam.reports.pulses import pulse_lines
 
 __all__ = [
     "Compilation",
     "Inspection",
     "Proof",
+    "Simulation",
     "Source",
     "arithmetic_difference",
     "bytes_of",
@@ -62,11 +66,15 @@ __all__ = [
     "planned_for",
     "plot",
     "plot_html",
+    "plot_run",
+    "plot_run_html",
     "positions",
+    "pulse_lines",
     "read_memory",
     "read_program",
     "recognise_memory",
     "show_memory",
+    "simulate",
     "source_map",
     "starts_of",
     "verify",
@@ -90,9 +98,12 @@ _ROOMS: dict[str, tuple[str, ...]] = {
     "wedmcam.operations.memory": ("find_block",),
     "wedmcam.operations.profiles": ("machine_for", "machine_issued", "starts_of"),
     "wedmcam.operations.read": ("figures", "read_program"),
+    "wedmcam.operations.simulate": ("Simulation", "simulate"),
     "wedmcam.operations.verify": ("verify", "with_images"),
     "wedmcam.options": ("options_in_mm",),
     "wedmcam.programs.places": ("minutes",),
+    "wedmcam.reports.picture.simulation": ("plot_run", "plot_run_html"),
+    "wedmcam.reports.pulses": ("pulse_lines",),
     "wedmcam.reports.plot": ("path_drawing", "plot", "plot_html"),
 }
 #: Names of the library that are others where they come from, which says the rest: room, name.

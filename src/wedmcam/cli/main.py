@@ -36,6 +36,7 @@ COMMANDS = {
     "inspect": ("inspect:inspect_command", "What is in a drawing."),
     "plot": ("plot:plot_command", "A picture of a drawing or a program."),
     "profile": ("profile:profile_group", "Controllers and dialects."),
+    "simulate": ("simulate:simulate_command", "A program on a simulated controller, with faults."),
     "verify": ("verify:verify_command", "Prove a program against its drawing."),
     "zd065": ("zd065:zd065_group", "The memory of the ZD-065: show, find, move, identify."),
 }

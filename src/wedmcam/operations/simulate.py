@@ -29,6 +29,9 @@ from wedmcam.simulate.scenario import HOW, Fault, Scenario, drawn, fault_of, sce
 from wedmcam.simulate.state import State, check_state, read_state, state_bytes
 from wedmcam.targets import Entries, target_of
 
+#: A name and bytes.
+Named = tuple[str, bytes]
+
 #: Controller -> format of the programs that it runs.
 CONTROLLERS = {"zd065": "compact"}
 
@@ -93,10 +96,11 @@ def simulate(
     source: Source,
     *,
     controller: str = "zd065",
-    scenario: Source | None = None,
-    resume: Source | None = None,
+    scenario: Source | Named | None = None,
+    resume: Source | Named | None = None,
     faults: Sequence[str | Fault] = (),
     stop_at_power: bool = False,
+    strict: bool = False,
     name: str | None = None,
     **stated: Any,
 ) -> Simulation:
@@ -105,12 +109,13 @@ def simulate(
     Args:
         source: a program that the controller reads: for the ZD-065 its cutting format.
         controller: "zd065".
-        scenario: a TOML file, or its bytes: what happens.
-        resume: a state, or its bytes: go on from there.
+        scenario: a TOML file, its bytes, or its name and bytes: what happens.
+        resume: a state, likewise: go on from there.
         faults: more faults, ``short@STEP:LENGTH_UM``, ``break@STEP[:BLOCK]``,
             ``power@STEP[+PULSES]``, or `Fault` values.
         stop_at_power: a power cut ends the run, and its state is returned; else the state is saved,
             read, and the run goes on.
+        strict: warnings are errors.
         name: of the program, in findings.
         **stated: other fields of `Conditions`: ``backlash=(12, 15)`` (um; without it the machine
             refuses to cut), ``play``, ``approach``, ``true_approach``, ``feed`` (steps a second),
@@ -126,15 +131,15 @@ def simulate(
     data, name = bytes_of(source, name)
     sha256 = hashlib.sha256(data).hexdigest()
     conditions = Conditions(faults=tuple(map(_fault, faults)), **stated)
-    run = Run()
+    run = Run(strict)
     record: Record | None = None
     try:
         program = run("read", _read_program(data, name, controller))
         if scenario is not None:
-            text, file = bytes_of(scenario, None if isinstance(scenario, str) else "scenario")
-            conditions = conditions.over(run("scenario", _read_scenario(text, file)))
+            stated_there = run("scenario", _read_scenario(*_named(scenario, "scenario")))
+            conditions = conditions.over(stated_there)
         route = lay(program, reading(CONTROLLERS[controller]).stepping)
-        state = None if resume is None else run("state", _resumed(resume, route))
+        state = None if resume is None else run("state", _resumed(*_named(resume, "state"), route))
         setup = run("enter", _entered(conditions, state, name))
         happens = _scenario_of(conditions, route)
         record = run("run", zd065.run(route, happens, setup, state, stop_at_power=stop_at_power))
@@ -191,17 +196,24 @@ def _other_format(format_: str, name: str) -> Diagnostic:
     )
 
 
-def _read_scenario(data: bytes, name: str) -> tuple[Conditions | None, list[Diagnostic]]:
+def _named(source: Source | Named, usual: str) -> Named:
+    """Return the name and the bytes of a source."""
+    if isinstance(source, tuple):
+        return source
+    data, name = bytes_of(source, usual if isinstance(source, bytes) else None)
+    return name, data
+
+
+def _read_scenario(name: str, data: bytes) -> tuple[Conditions | None, list[Diagnostic]]:
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError:
-        text = "this is not UTF-8"
         return None, [error("bad-scenario", "the file is no text in UTF-8", FileSpan(name))]
     return read_scenario(text, name)
 
 
-def _resumed(resume: Source, route: Route) -> tuple[State | None, list[Diagnostic]]:
-    data, name = bytes_of(resume, None if isinstance(resume, str) else "state")
+def _resumed(name: str, data: bytes, route: Route) -> tuple[State | None, list[Diagnostic]]:
+    """Return the state of a file, which has to be one of this program."""
     state, findings = read_state(data, name)
     if state is None:
         return None, findings
@@ -231,7 +243,7 @@ def _entered(
 
 def _as_saved(c: Conditions, state: State) -> Conditions:
     """Return conditions with the figures of a state, which may be stated, but not otherwise."""
-    saved = {
+    saved: dict[str, Any] = {
         "backlash": state.backlash,
         "play": state.play,
         "approach": state.approach,

@@ -31,9 +31,7 @@ class _Key:
 
 
 def _whole(low: int, high: int) -> _Key:
-    return _Key(
-        f"a whole number, {low} to {high}", lambda v: type(v) is int and low <= v <= high
-    )
+    return _Key(f"a whole number, {low} to {high}", lambda v: type(v) is int and low <= v <= high)
 
 
 def _pair(what: str, good: Callable[[Any], bool]) -> _Key:

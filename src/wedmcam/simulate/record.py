@@ -107,6 +107,10 @@ class Record:
     def motions(self) -> Iterator[Motion]:
         """Yield every step of the run, some at a time; times from the start of the program."""
         for one in self.sessions:
-            began = one.began
-            for part in batches(self.route, one.legs, began.axes, self.setup, self.feeds):
-                yield replace(part, time=part.time + began.time_s)
+            yield from self.parts_of(one)
+
+    def parts_of(self, one: Session) -> Iterator[Motion]:
+        """Yield the steps of a session, some at a time."""
+        began = one.began
+        for part in batches(self.route, one.legs, began.axes, self.setup, self.feeds):
+            yield replace(part, time=part.time + began.time_s)

@@ -1,0 +1,102 @@
+"""The pulse stream of a simulated run: every step of both motors as the ring distributor makes it.
+
+CSV, a line a step: number, time from the start of the program (us), axis, direction,
+whether it is a step of the path or takes up play, and which phases of x and y carry current then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.simulate.motion import Motion, Setup
+from wedmcam.simulate.record import Record
+from wedmcam.simulate.ring import PATTERNS, TURN
+from wedmcam.simulate.state import State
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+HEADER = "pulse,time_us,axis,direction,kind,x,y\n"
+_AXES = np.array(["x", "y"], dtype=object)
+_SIGNS = np.array(["-", "+"], dtype=object)
+_KINDS = np.array(["step", "take-up"], dtype=object)
+_PHASES = np.array(PATTERNS, dtype=object)
+
+
+def pulse_lines(record: Record) -> Iterator[str]:
+    """Yield the text of a run's pulse stream, piece by piece."""
+    yield HEADER
+    number = 1
+    ends = [*(one.began for one in record.sessions[1:]), record.state]
+    for one, end in zip(record.sessions, ends, strict=True):
+        motors = np.array([axis.motor for axis in one.began.axes])
+        began = one.began.time_s
+        for part in record.parts_of(one):
+            text, count = _piece(part, motors, began, record.setup, number)
+            yield text
+            number += count
+            motors, began = part.motor[-1], float(part.time[-1])
+        text, count = _cut_take_up(motors, end, began, record.setup, number)
+        yield text
+        number += count
+
+
+def _piece(part: Motion, motors: Ints, began: float, setup: Setup, number: int) -> tuple[str, int]:
+    """Return the lines of a part of a run, and how many there are.
+
+    Args:
+        part: the part.
+        motors: both, before it.
+        began: when it begins, s.
+        setup: of the machine.
+        number: of its first pulse.
+    """
+    counts = part.ups + 1
+    row = np.repeat(np.arange(len(counts)), counts)
+    nth = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
+    last = nth == counts[row]
+    start = np.concatenate([[began], part.time[:-1]])[row]
+    delay = (setup.dry_ms or setup.return_ms) / 1000
+    time = np.where(last, part.time[row], start + nth * delay)
+    sign, axis = part.sign.astype(np.int64)[row], part.axis[row]
+    before = np.concatenate([motors[None], part.motor[:-1]])[row]
+    phases = [before[:, k] + np.where(axis == k, sign * nth, 0) for k in range(2)]
+    return _lines(number, time, axis, sign, ~last, phases), len(row)
+
+
+def _cut_take_up(
+    motors: Ints, end: State, began: float, setup: Setup, number: int
+) -> tuple[str, int]:
+    """Return the lines of a take-up within which the power failed, and how many there are."""
+    ways = np.array([axis.motor for axis in end.axes]) - motors
+    axis = int(abs(ways).argmax())
+    count, sign = int(abs(ways[axis])), int(np.sign(ways[axis]))
+    nth = np.arange(1, count + 1)
+    time = began + nth.astype(np.float64) * ((setup.dry_ms or setup.return_ms) / 1000)
+    phases = [motors[k] + (sign * nth if k == axis else 0 * nth) for k in range(2)]
+    whole = np.ones(count, np.int64)
+    return _lines(number, time, axis * whole, sign * whole, whole == 1, phases), count
+
+
+def _lines(
+    number: int,
+    time: Floats,
+    axis: NDArray[Any],
+    sign: Ints,
+    is_take_up: NDArray[np.bool_],
+    motors: Sequence[Ints],
+) -> str:
+    """Return the lines of pulses; ``number``: of the first."""
+    columns = (
+        map(str, range(number, number + len(time))),
+        map(str, np.rint(time * 1e6).astype(np.int64).tolist()),
+        _AXES[axis],
+        _SIGNS[(sign > 0).astype(np.int64)],
+        _KINDS[is_take_up.astype(np.int64)],
+        *(_PHASES[motor % TURN] for motor in motors),
+    )
+    return "".join(f"{','.join(line)}\n" for line in zip(*columns, strict=True))

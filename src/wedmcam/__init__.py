@@ -1,7 +1,7 @@
 """wedmcam: from a drawing to a proven wire-EDM program.
 
-The library is what the command line calls: `compile`, `compile_all`, `verify`, `inspect`, `plot`.
-Names are fetched when they are first used, so that importing this costs nothing.
+The library is what the command line calls: `compile`, `compile_all`, `verify`, `inspect`, `plot`,
+`simulate_program`. Names are fetched when they are first used: importing this costs nothing.
 """
 
 from __future__ import annotations
@@ -13,12 +13,14 @@ if TYPE_CHECKING:
         Compilation,
         Inspection,
         Proof,
+        Simulation,
         arithmetic_difference,
         compile,
         compile_all,
         inspect,
         plot,
         read_program,
+        simulate_program,
         verify,
     )
     from wedmcam.options import Options, WrongUse
@@ -30,6 +32,7 @@ __all__ = [
     "Inspection",
     "Options",
     "Proof",
+    "Simulation",
     "WrongUse",
     "arithmetic_difference",
     "compile",
@@ -37,6 +40,7 @@ __all__ = [
     "inspect",
     "plot",
     "read_program",
+    "simulate_program",
     "verify",
 ]
 

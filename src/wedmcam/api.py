@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from wedmcam.operations.memory import show as show_memory
     from wedmcam.operations.profiles import machine_for, machine_issued, starts_of
     from wedmcam.operations.read import figures, read_program
-    from wedmcam.operations.simulate import Simulation, simulate
+    from wedmcam.operations.simulate import Simulation, simulate_program
     from wedmcam.operations.verify import verify, with_images
     from wedmcam.options import options_in_mm
     from wedmcam.programs.places import block_ends as positions
@@ -74,7 +74,7 @@ __all__ = [
     "read_program",
     "recognise_memory",
     "show_memory",
-    "simulate",
+    "simulate_program",
     "source_map",
     "starts_of",
     "verify",
@@ -98,7 +98,7 @@ _ROOMS: dict[str, tuple[str, ...]] = {
     "wedmcam.operations.memory": ("find_block",),
     "wedmcam.operations.profiles": ("machine_for", "machine_issued", "starts_of"),
     "wedmcam.operations.read": ("figures", "read_program"),
-    "wedmcam.operations.simulate": ("Simulation", "simulate"),
+    "wedmcam.operations.simulate": ("Simulation", "simulate_program"),
     "wedmcam.operations.verify": ("verify", "with_images"),
     "wedmcam.options": ("options_in_mm",),
     "wedmcam.programs.places": ("minutes",),

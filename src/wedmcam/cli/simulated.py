@@ -86,7 +86,7 @@ _SENTENCES = {
     "alarm": "ALARM: still shorted; the machine stops",
     "clear-alarm": "the fault is cleared: cut on",
     "break": "ALARM: the wire is broken",
-    "back": "returned: cut on from here",
+    "back": "returned to {where}: cut on",
     "power-cut": "the power fails{within}; the state is saved",
     "resume": "resume from the saved state",
     "end": "end of the program",

@@ -16,7 +16,7 @@ from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
 from wedmcam.ir.program import Program
 from wedmcam.judge.certificate import finding_data
-from wedmcam.machines import reading
+from wedmcam.machines import Machine, reading
 from wedmcam.operations.profiles import reader_machine
 from wedmcam.simulate import zd065
 from wedmcam.simulate.conditions import Conditions, setup_of
@@ -92,7 +92,7 @@ class Simulation:
         return facts
 
 
-def simulate(
+def simulate_program(
     source: Source,
     *,
     controller: str = "zd065",
@@ -170,8 +170,8 @@ def _read_program(
     """Return the program as the controller reads it: of another format only why not."""
     wanted = CONTROLLERS[controller]
     machine = reader_machine(data, name, None, None)
-    if machine.format != wanted:
-        return None, [_other_format(machine.format, name)]
+    if machine != reading(wanted):
+        return None, [_other_format(machine, name)]
     # The built-in profile: the frame of the controller, whose axes nothing exchanges.
     program, findings = target_of(reading(wanted)).read(data, name, Entries())
     if not has_errors(findings) and not len(lay(program, machine.stepping).axis):
@@ -180,19 +180,20 @@ def _read_program(
     return program, list(findings)
 
 
-def _other_format(format_: str, name: str) -> Diagnostic:
-    more = {
-        "rotation": " --copies N --angle DEGREES",
-        "compensation": " --gap LENGTH --side die",
-    }.get(format_, "")
+def _other_format(machine: Machine, name: str) -> Diagnostic:
+    target = target_of(machine)
+    entered = ""
+    if target.makes_path:
+        turns = " --copies N --angle DEGREES"
+        entered = " --gap LENGTH --side die" if target.takes_gap else turns
     return error(
         "other-format",
         "the ZD-065 cuts programs in its cutting format; this one is in the format {format}",
         FileSpan(name),
-        hint="wedmcam convert {file} -o NAME.zd{more} makes one of it",
-        format=format_,
+        hint="wedmcam convert {file} -o NAME.zd{entered} makes one of it",
+        format=machine.format,
         file=name,
-        more=more,
+        entered=entered,
     )
 
 

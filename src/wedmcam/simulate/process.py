@@ -12,6 +12,8 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
+import numpy as np
+
 from wedmcam.simulate.route import Halt, Route
 from wedmcam.simulate.scenario import Fault, Scenario, Trouble, last_thread
 
@@ -283,7 +285,9 @@ class _Process:
         stand = self.stand
         if stand.mode is not Mode.RETREAT:
             self.stand = Stand(Mode.FORWARD, stand.target)
-            self._log("back")
+            thread = stand.target in self.route.threads
+            block = int(self.route.rows(np.array([stand.target + 1]))[0]) + 1
+            self._log("back", where="the thread point" if thread else f"the start of block {block}")
         elif stand.short:
             self.stand = replace(stand, mode=Mode.ALARM)
             self._log("alarm")

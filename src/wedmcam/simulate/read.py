@@ -162,20 +162,21 @@ def _wrong_table(table: str, nth: int, row: dict[str, Any], lines: _Lines) -> It
         span = lines.span(table, nth, name)
         if name not in schema:
             near = difflib.get_close_matches(name, [*schema, *_NEEDED], 1)
-            hint = "did you mean {near}?" if near else "entries: {entries}"
-            values = {"near": near[0]} if near else {"entries": sorted(schema)}
-            text = "no entry{where} is called {name}"
-            found = error("bad-scenario", text, span, where=where, name=name)
-            yield found.with_hint(hint, **values)
+            unknown = "no entry{where} is called {name}"
+            found = error("bad-scenario", unknown, span, where=where, name=name)
+            if near:
+                yield found.with_hint("did you mean {near}?", near=near[0])
+            else:
+                yield found.with_hint("entries: {entries}", entries=sorted(schema))
         elif not schema[name].good(value):
-            text = "{name}{where} takes {takes}"
+            wrong = "{name}{where} takes {takes}"
             takes = schema[name].takes
-            yield error("bad-scenario", text, span, name=name, where=where, takes=takes)
+            yield error("bad-scenario", wrong, span, name=name, where=where, takes=takes)
     missing = sorted(_NEEDED.get(table, set()) - row.keys())
     if missing:
         span = lines.span(table, nth, "")
-        text = "{names} missing{where}"
-        yield error("bad-scenario", text, span, names=missing, where=where)
+        lacks = "{names} missing{where}"
+        yield error("bad-scenario", lacks, span, names=missing, where=where)
     elif table == "fault" and row["kind"] in set(Trouble):
         yield from _wrong_fault(nth, row, lines)
 

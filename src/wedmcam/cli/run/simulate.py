@@ -37,7 +37,7 @@ def run_simulate(
     data = read_program(program)
     texts = {name: read_input(name) for name in inputs[1:]}
     with waiting(f"simulating {shown_name(program)}"):
-        simulation = api.simulate(
+        simulation = api.simulate_program(
             data,
             controller=controller,
             scenario=None if scenario is None else (scenario, texts[scenario]),
@@ -49,11 +49,11 @@ def run_simulate(
             **_stated(params),
         )
     print_findings(simulation.findings, shown_name(program), params["quiet"], texts)
-    written = _write(simulation, program, state, pulses, plot)
+    saved = _write(simulation, program, state, pulses, plot)
     if params["json_"]:
-        print_json({**simulation.summary, **written})
+        print_json({**simulation.summary, "state": saved})
     elif not params["quiet"]:
-        simulated.print_simulation(simulation, params["verbose"], written["state"])
+        simulated.print_simulation(simulation, params["verbose"], saved)
     return simulation.status
 
 
@@ -80,25 +80,23 @@ def _stated(params: dict[str, Any]) -> dict[str, Any]:
 
 def _write(
     simulation: Simulation, program: str, state: str | None, pulses: str | None, plot: str | None
-) -> dict[str, Any]:
-    """Write what was asked for; return the names of what was written."""
+) -> str | None:
+    """Write what was asked for; return the name of the state, where one is written."""
     files: list[tuple[str, bytes]] = []
-    written: dict[str, Any] = {"state": None, "pulses": None, "plot": None}
+    saved = None
     if state is not None and simulation.state is not None:
         files.append((state, simulation.state))
-        written["state"] = state
+        saved = state
     if simulation.record is not None:
         if pulses is not None:
             files.append((pulses, "".join(api.pulse_lines(simulation.record)).encode("ascii")))
-            written["pulses"] = pulses
         if plot is not None:
             files.append((plot, _picture(simulation, Path(program).name, plot)))
-            written["plot"] = plot
     write_outputs(files)
     for name in (pulses, plot):
         if name is not None and simulation.record is None:
             print_text(f"{name} was not written: nothing was run", err=True)
-    return written
+    return saved
 
 
 def _picture(simulation: Simulation, title: str, name: str) -> bytes:

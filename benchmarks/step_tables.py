@@ -30,6 +30,8 @@ from wedmcam.controllers.pointwise.steps import ARC_TABLE
 from wedmcam.diag import Severity
 from wedmcam.frontends import decoder
 from wedmcam.ir.program import BLOCK, Axis, Kind
+from wedmcam.panel.machine import ERRORS
+from wedmcam.panel.zd065 import FUNCTIONS, Mode
 from wedmcam.reports.stair import stair
 
 ROOT = Path(__file__).parents[1]
@@ -370,6 +372,28 @@ def back_table(block: Block = RETURN) -> str:
 
 # --- the page -------------------------------------------------------------------------------------
 
+
+def key_table() -> str:
+    """Return which function of the panel is locked in which mode."""
+    modes = list(Mode)
+    rows = [
+        [
+            f"{key} {digit}",
+            function.name,
+            " ".join(str(field.digits) for field in function.fields) or "-",
+            *("yes" if mode in function.modes else "" for mode in modes),
+        ]
+        for key, group in FUNCTIONS.items()
+        for digit, function in group.items()
+    ]
+    return table(["keys", "what", "digits", *(str(mode) for mode in modes)], rows)
+
+
+def error_table() -> str:
+    """Return the numbers of the panel's errors."""
+    return table(["digits", "error"], [[f"E   {n:02d}", what] for n, what in ERRORS.items()])
+
+
 #: Name of a part of the page -> what writes it.
 PARTS: dict[str, Callable[[], str]] = {
     "rules": rules_table,
@@ -382,6 +406,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "repair": repair_table,
     "angles": angle_table,
     "back": back_table,
+    "keys": key_table,
+    "errors": error_table,
 }
 
 _PART = re.compile(r"^<!-- made: ([a-z-]+) -->\n.*?^<!-- end -->$", re.M | re.S)

@@ -384,3 +384,16 @@ def test_the_feed_signal_changes_on_the_way():
     moved = int(route.moves.sum())
     cut = route.steps - moved - 200
     assert record.state.time_s == pytest.approx(cut / 10 + 200 / 50 + moved * 0.005)
+
+
+def test_who_goes_on_from_a_way_back_meets_faults_behind_its_end():
+    """The power failed on the way to the thread point: the program begins again there."""
+    route = route_of("key-punch")
+    broken = replace(fault_of("break@9000"), cut_after=700)
+    record, _ = zd065.run(route, scenario_of([broken]), EXACT, stop_at_power=True)
+    later = [fault_of("short@50:5"), fault_of("power@8000")]
+    rest, wrong = zd065.run(route, scenario_of(later), EXACT, record.state)
+    assert not wrong
+    kinds = [event.kind for event in rest.events]
+    assert kinds == ["resume", "back", "short", "clear", "power-cut", "resume", "end"]
+    assert rest.off_um == (0, 0)

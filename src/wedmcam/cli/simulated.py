@@ -28,7 +28,8 @@ def print_simulation(simulation: Simulation, verbose: bool, state: str | None) -
         err=True,
     )
     play = "" if setup.play == setup.backlash else ", play X {} Y {} um".format(*setup.play)
-    print_text(f"enter      backlash X {x} Y {y} um{play}{_approach(record)}", err=True)
+    delay = f"{setup.dry_ms} ms a step; " if dry else ""
+    print_text(f"enter      {delay}backlash X {x} Y {y} um{play}{_approach(record)}", err=True)
     _print_events(record, verbose)
     _print_end(record)
     if state is not None:

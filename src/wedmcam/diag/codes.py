@@ -1179,6 +1179,11 @@ CODES: dict[str, Code] = {
         "There is nothing to simulate; an empty program would look like success.",
         "Look at it with wedmcam dump.",
     ),
+    "bad-script": Code(
+        "A line of a script for a panel names no key, and nothing that happens.",
+        "A line that is passed over would leave the machine in another state than meant.",
+        "Write keys, 0 to F and U0 to U7, or one of the words that the message lists.",
+    ),
     "bad-scenario": Code(
         "The scenario of a simulation cannot be read, at the line named.",
         "A fault that is left out in silence would show a machine that never failed.",

@@ -39,9 +39,9 @@ def _outside(fault: Fault, route: Route, begin: Stand) -> list[Diagnostic]:
     if fault.step > route.steps:
         text = "{fault}: the program makes {steps} steps"
         return [error("bad-fault", text, fault.span, fault=str(fault), steps=route.steps)]
-    if fault.step < begin.step:
+    if fault.step < begin.place:
         late = "{fault}: the run begins at step {begin}"
-        return [error("bad-fault", late, fault.span, fault=str(fault), begin=begin.step)]
+        return [error("bad-fault", late, fault.span, fault=str(fault), begin=begin.place)]
     return []
 
 

@@ -60,6 +60,12 @@ class Stand:
     short: bool = False
     goes_on: bool = False
 
+    @property
+    def place(self) -> int:
+        """Number of the place from which the machine goes forward again."""
+        back = self.mode in (Mode.RETREAT, Mode.RETURN, Mode.SHORTEST)
+        return self.target if back else self.step
+
 
 @dataclass(frozen=True, slots=True)
 class Leg:

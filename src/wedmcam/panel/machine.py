@@ -157,11 +157,12 @@ class Machine:
         Raises:
             Denied: nothing was, or another format.
         """
-        if self.recognised is None:
+        seen = self.recognised
+        if seen is None:
             raise Denied(5)
-        if self.recognised.format != format_:
-            raise Denied(6, f"the data are in the format {self.recognised.format}")
-        return self.recognised
+        if seen.format != format_:
+            raise Denied(6, f"the data are in the format {seen.format}")
+        return seen
 
     def transform(self, text: str) -> list[Shown]:
         """Translate, reflect or turn the cutting data in the memory."""

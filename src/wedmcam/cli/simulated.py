@@ -23,7 +23,7 @@ def print_simulation(simulation: Simulation, verbose: bool, state: str | None) -
     x, y = setup.backlash
     dry = setup.dry_ms is not None
     print_text(
-        f"runs       {len(route.program.blocks)} blocks, {route.steps} steps on the "
+        f"runs       {_number(len(route.program.blocks), 'block')}, {route.steps} steps on the "
         f"{record.controller}: {'drawn dry' if dry else 'cut'}",
         err=True,
     )
@@ -34,6 +34,10 @@ def print_simulation(simulation: Simulation, verbose: bool, state: str | None) -
     _print_end(record)
     if state is not None:
         print_text(f"state      {state}: --resume {state} goes on", err=True)
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def _approach(record: Record) -> str:

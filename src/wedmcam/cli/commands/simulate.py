@@ -8,23 +8,40 @@ from typing import Any
 import click
 
 from wedmcam.cli import options as ask
+from wedmcam.cli.lengths import length_um
 from wedmcam.cli.settings import Configured
 
 
 class Um(click.ParamType):  # type: ignore[type-arg]
-    """Two whole numbers of um, of x and y: 12,15 or 12um,15um."""
+    """Two lengths of whole um, of x and y: 12,15 or 12um,15um or 0.012mm,0.015mm."""
 
     name = "x,y"
 
     def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
-        """Return both; a wrong one is wrong use."""
+        """Return both, um; a wrong one is wrong use."""
         if isinstance(value, tuple):
             return value
-        one = r"\s*([0-9]{1,4})\s*(?:um|µm)?\s*"
-        match = re.fullmatch(f"{one},{one}", str(value))
-        if match is None:
+        lengths = [_whole_um(text) for text in str(value).split(",")]
+        if len(lengths) != 2 or None in lengths:
             self.fail(f"'{value}': write whole um of x and y, 0 to 9999, as in 12,15", param, ctx)
-        return int(match[1]), int(match[2])
+        x, y = (length or 0 for length in lengths)
+        return x, y
+
+
+def _whole_um(text: str) -> int | None:
+    """Return a length of whole um; None where it is none. A bare number is um here.
+
+    >>> [_whole_um(t) for t in ("12", "12um", "0.012mm", "12.5", "-1", "10000")]
+    [12, 12, 12, None, None, None]
+    """
+    try:
+        um = float(text) if re.fullmatch(r"\s*[0-9]+\s*", text) else length_um(text)
+    except ValueError:
+        return None
+    bare = re.fullmatch(r"\s*[-+0-9.eE]+\s*", text)
+    if bare and not text.strip().isdecimal():
+        return None  # a bare 0.012 may be meant as mm
+    return int(um) if um == int(um) and 0 <= um <= 9999 else None
 
 
 class Signs(click.ParamType):  # type: ignore[type-arg]

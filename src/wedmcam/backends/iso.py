@@ -307,7 +307,7 @@ def encode_outlines(
             warning(
                 "over-memory",
                 "{records} records; {machine} holds {most}",
-                hint="--split cuts it at thread points, a longer contour in the kerf",
+                hint="compile --split cuts it at thread points, a longer contour in the kerf",
                 records=len(rows),
                 machine=machine.name,
                 most=most,

@@ -78,7 +78,7 @@ class Memory:
             warning(
                 "over-memory",
                 "{bytes} bytes; the memory of {machine} holds {most}: {loads} loads",
-                hint="--split cuts it at thread points, a longer contour in the kerf",
+                hint="compile --split cuts it at thread points, a longer contour in the kerf",
                 bytes=len(self.data),
                 machine=machine.name,
                 most=most,

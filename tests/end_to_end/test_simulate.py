@@ -185,13 +185,12 @@ def test_a_scenario_file(tmp_path):
         ("feed = true", 1, "takes steps a second"),
     ],
 )
-def test_a_wrong_scenario_says_its_line(tmp_path, text, line, said):
-    (tmp_path / "bad.toml").write_text(text)
-    done = wedmcam("simulate", KEY, *PLAY, "--scenario", "bad.toml", cwd=tmp_path)
-    assert done.returncode == 1
-    told = done.stderr.decode()
-    assert f"bad.toml:{line}:" in told, told
-    assert said in told
+def test_a_wrong_scenario_says_its_line(text, line, said):
+    scenario = ("bad.toml", text.encode())
+    run = library.simulate_program(KEY, backlash=(12, 15), scenario=scenario)
+    assert run.status == 1
+    assert f"bad.toml:{line}:" in str(run.findings[0].span)
+    assert said in run.findings[0].message
 
 
 @settings(max_examples=200)
@@ -217,7 +216,7 @@ def saved():
     return run.state
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(st.data())
 def test_a_damaged_state_is_a_finding_with_its_place(data):
     program, *_ = library.read_program(KEY)

@@ -1,0 +1,140 @@
+"""A servo on a path: where the wire goes forward and back between two places, as legs with times.
+
+The law of the servo owns its ways back. The controller's own retreat (100 steps of the ZD-065, 256
+of the NBY-15) is their end: so far behind the place that the wire had come to, at the last thread
+point, or where the generator was switched on, it stops with an alarm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wedmcam.simulate.gap import Gap
+from wedmcam.simulate.laws import Law
+from wedmcam.simulate.process import Leg, Turn, Way
+
+
+@dataclass(slots=True)
+class Tally:
+    """What a servo did, over a whole run.
+
+    Attributes:
+        retreats: ways back, one after another without a step between them being one.
+        back: steps of them.
+        longest: of them, steps.
+        alarms: how often there was no room left.
+        seconds: with the generator on, ways back included.
+    """
+
+    retreats: int = 0
+    back: int = 0
+    longest: int = 0
+    alarms: int = 0
+    seconds: float = 0.0
+
+
+class Feeding:
+    """A law, its gap, and where both are on the path.
+
+    Attributes:
+        gap: of the run.
+        law: of the servo.
+        tally: of the run.
+    """
+
+    def __init__(self, law: Law, gap: Gap, step_um: float = 1.0, *, attended: bool = False) -> None:
+        """Begin before a program.
+
+        Args:
+            law: of the servo.
+            gap: of the run.
+            step_um: by how much a step of the path closes the gap.
+            attended: an operator clears alarms, and cutting goes on.
+        """
+        self.law, self.gap, self.step_um, self.attended = law, gap, step_um, attended
+        self.tally = Tally()
+        self._at = self._front = self._farthest = -1
+        self._waited = 0.0
+
+    def clear(self) -> None:
+        """An operator has seen to an alarm: no chip bridges the gap any more."""
+        self.gap.clear_chip()
+        self.law.begin()
+        self._front = self._at
+
+    def forward(self, step: int, goal: int, floor: int, retreat: int) -> Turn:
+        """Go from a place to the first arrival at another, or to an alarm.
+
+        Args:
+            step: number of the place where the wire is.
+            goal: number of the place to come to.
+            floor: number of the place behind which it may not go back.
+            retreat: most steps back from the farthest place.
+        """
+        self._arrive(step)
+        legs: list[Leg] = []
+        growing = _Leg(Way.CUT, step)
+        while step < goal:
+            room = min(retreat - (self._front - step), step - floor)
+            act = self.law.act(self.gap, room)
+            self.tally.seconds += sum(act.seconds)
+            if act.steps > 0:
+                if growing.way is Way.RETREAT:
+                    legs.append(growing.leg())
+                    growing = _Leg(Way.CUT, step)
+                step += 1
+                self.gap.step(self.step_um)
+                self._front = max(self._front, step)
+            elif act.steps < 0:
+                if growing.way is Way.CUT:
+                    legs.append(growing.leg())
+                    growing = _Leg(Way.RETREAT, step)
+                    self.tally.retreats += 1
+                step += act.steps
+                for _ in range(-act.steps):
+                    self.gap.step(-self.step_um)
+                self.tally.back -= act.steps
+                self.tally.longest = max(self.tally.longest, self._front - step)
+            else:
+                self.tally.alarms += 1
+                self._waited += act.seconds[0]
+                break
+            growing.take(act.seconds, self._waited)
+            self._waited = 0.0
+        legs.append(growing.leg())
+        self._at = step
+        self._farthest = max(self._farthest, self._front)
+        back = None if step == goal else self._front - step
+        return Turn(tuple(leg for leg in legs if leg.steps), step, back)
+
+    def _arrive(self, step: int) -> None:
+        """Take over where the process has brought the wire since the last leg."""
+        if step == self._at:
+            return
+        if step > self._farthest:
+            self.gap.renew()
+        else:
+            # The slot is cut up to where it was: from here on it is so much wider.
+            self.gap.step((step - self._at) * self.step_um)
+        self.law.begin()
+        self._at = self._front = step
+
+
+class _Leg:
+    """A leg that grows."""
+
+    def __init__(self, way: Way, first: int) -> None:
+        self.way, self.first = way, first
+        self.seconds: list[float] = []
+
+    def take(self, seconds: tuple[float, ...], waited: float) -> None:
+        """Add steps; the first one is later by what was waited before an alarm."""
+        self.seconds += (seconds[0] + waited, *seconds[1:])
+
+    def leg(self) -> Leg:
+        """Return it as it is."""
+        count = len(self.seconds)
+        last = self.first + (count if self.way is Way.CUT else -count)
+        return Leg(self.way, self.first, last, seconds=np.array(self.seconds))

@@ -34,7 +34,7 @@ COARSE = Workpiece(unit_um=1 / 600, hold=100, chip=1 / 2000, chip_um=12.0)
 
 def feeding(law, seed, piece=COARSE, draw=None, attended=True):
     gap = Gap(piece, np.random.default_rng(seed))
-    return Feeding(LAWS[law](draw or AtOnce(), 1e5), gap, attended=attended)
+    return Feeding(LAWS[law](draw or AtOnce(), 1e5, 1.0), gap, attended=attended)
 
 
 @functools.cache

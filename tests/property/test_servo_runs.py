@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from wedmcam.simulate.gap import Chances, Gap, Workpiece, chances, one_by_one
-from wedmcam.simulate.laws import LAWS
+from wedmcam.simulate.laws import LAWS, PatentLaw
 from wedmcam.simulate.runs import RIPE, AtOnce, OneByOne, _stretches, table_of
-from wedmcam.simulate.servo import Counters, Pulse, Settings
+from wedmcam.simulate.servo import Control, Counters, Pulse, Settings, retract_times
 
 CHANCES = [
     Chances(0.2, 0.3, 0.4, 0.1),
@@ -119,7 +119,7 @@ LIVELY = Workpiece(
 def run_of(draw, law, seed, steps):
     """Return what is left of a gap behind some acts of a law."""
     gap = Gap(LIVELY, np.random.default_rng(seed))
-    servo = LAWS[law](draw, 1e5)
+    servo = LAWS[law](draw, 1e5, 1.0)
     back = 0
     for _ in range(steps):
         act = servo.act(gap, 100)
@@ -135,6 +135,33 @@ def test_a_lively_gap_runs_alike_at_once_and_one_by_one(law, steps, runs):
     single = np.array([run_of(OneByOne(), law, 10_000 + seed, steps) for seed in range(runs)])
     for k in range(at_once.shape[1]):
         assert apart(at_once[:, k], single[:, k]) < 1.95, k
+
+
+def test_the_law_of_the_patent_is_its_circuit():
+    """Pulse for pulse with the same chance: counters, flip-flop, ramp, and pulses off meanwhile."""
+    setting = Settings(advance=3, retract=3, steps=6)
+    gap, twin = (Gap(LIVELY, np.random.default_rng(4)) for _ in range(2))
+    law, control = PatentLaw(OneByOne(), 1e5, setting, step_s=0.0), Control(setting)
+    whole = float(retract_times(setting)[-1])
+    place = 0
+    for _ in range(300):
+        act = law.act(gap, 100)
+        place += act.steps
+        for _ in range(abs(act.steps)):
+            gap.step(np.sign(act.steps))
+        pulses = one_by_one(twin)
+        while not (signal := control.pulse(next(pulses))):
+            pass
+        assert control.forward == (signal > 0) == (act.steps > 0)
+        if signal < 0:
+            assert not control.powered
+            twin.idle(whole * 1e5)
+            assert control.wait(whole) == setting.steps
+        for _ in range(abs(act.steps)):
+            twin.step(signal)
+        assert control.place == place
+        assert (twin.um, twin.pulses, twin.counted) == (gap.um, gap.pulses, gap.counted)
+        assert sum(act.seconds) >= whole * (signal < 0)
 
 
 def test_so_many_pulses_at_once_are_those_one_by_one():

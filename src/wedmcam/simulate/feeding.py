@@ -11,9 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wedmcam.simulate.gap import Gap
-from wedmcam.simulate.laws import Law
+from wedmcam.diag.run import WrongUse
+from wedmcam.simulate.gap import Gap, Workpiece
+from wedmcam.simulate.laws import LAWS, Law
 from wedmcam.simulate.process import Leg, Turn, Way
+from wedmcam.simulate.runs import AtOnce, Draw
+
+#: Power pulses a second where none are stated [R].
+PULSES_HZ = 100_000.0
+#: The patent goes to near 1 MHz [S], the DEM-15 to 500 kHz [S].
+MOST_HZ = 1_000_000.0
 
 
 @dataclass(slots=True)
@@ -138,3 +145,35 @@ class _Leg:
         count = len(self.seconds)
         last = self.first + (count if self.way is Way.CUT else -count)
         return Leg(self.way, self.first, last, seconds=np.array(self.seconds))
+
+
+def feeding_of(
+    servo: str,
+    seed: int = 0,
+    *,
+    hz: float = PULSES_HZ,
+    step_um: float = 1.0,
+    piece: Workpiece | None = None,
+    draw: Draw | None = None,
+    attended: bool = True,
+) -> Feeding:
+    """Return a servo before a program.
+
+    Args:
+        servo: which law, one of `LAWS`.
+        seed: of all its chance: the same one gives the same run.
+        hz: power pulses a second.
+        step_um: one step of the path.
+        piece: the gap model; None for the usual one.
+        draw: how pulses are drawn; None for many at once.
+        attended: an operator clears alarms, and cutting goes on.
+
+    Raises:
+        WrongUse: no law has this name, or there are no pulses.
+    """
+    if servo not in LAWS:
+        raise WrongUse(f"no servo is called '{servo}': {', '.join(LAWS)}")
+    if not 0 < hz <= MOST_HZ:
+        raise WrongUse(f"{hz:g} power pulses a second: above 0 and up to {MOST_HZ:g}")
+    gap = Gap(piece or Workpiece(), np.random.default_rng(seed))
+    return Feeding(LAWS[servo](draw or AtOnce(), hz, step_um), gap, step_um, attended=attended)

@@ -217,9 +217,10 @@ class FeedSettings:
         burning: voltage of a discharge.
         late: of a delayed one: it is high before it ignites.
         begins: mean voltage from which on there is a signal.
-        slope: steps a second for a voltage of 1 more.
+        slope: um/s for a voltage of 1 more.
         none: mean voltage below which the signal has failed: a short circuit.
         back: steps a second of a way back.
+        step_um: one step of the path.
     """
 
     window: int = 250
@@ -230,6 +231,7 @@ class FeedSettings:
     slope: float = 120.0
     none: float = 0.12
     back: float = 200.0
+    step_um: float = 1.0
 
 
 class FeedLaw(_WindowLaw):
@@ -261,10 +263,14 @@ class FeedLaw(_WindowLaw):
         self._voltage += s.smooth * (sum_ / self.window - self._voltage)
         if self._voltage < s.none:
             return -s.back
-        return max(self._voltage - s.begins, 0.0) * s.slope
+        return max(self._voltage - s.begins, 0.0) * s.slope / s.step_um
 
 
-#: What `--servo` takes.
-LAWS: dict[str, Callable[[Draw, float], Law]] = {
-    law.name: law for law in (PatentLaw, EindhovenLaw, FeedLaw)
+#: What `--servo` takes: a law for a way to draw pulses, pulses a second, and um a step.
+LAWS: dict[str, Callable[[Draw, float, float], Law]] = {
+    PatentLaw.name: lambda draw, hz, step_um: PatentLaw(draw, hz),
+    EindhovenLaw.name: lambda draw, hz, step_um: EindhovenLaw(
+        draw, hz, EindhovenSettings(step_um=step_um)
+    ),
+    FeedLaw.name: lambda draw, hz, step_um: FeedLaw(draw, hz, FeedSettings(step_um=step_um)),
 }

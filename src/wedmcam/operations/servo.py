@@ -22,7 +22,6 @@ from wedmcam.simulate.process import Way
 from wedmcam.simulate.record import Record
 from wedmcam.simulate.route import Route
 from wedmcam.simulate.scenario import Fault, Trouble, scenario_of
-from wedmcam.simulate.servo import Pulse
 
 _FORWARD = [list(Way).index(way) for way in (Way.CUT, Way.MOVE)]
 
@@ -155,24 +154,7 @@ def _trial(
     still = Setup(backlash=(0, 0), play=(0, 0))
     record, _ = zd065.run(route, ends, still, stop_at_power=True, feeder=feeding)
     assert record is not None, "the power may fail at each step of a route"
-    gap, tally = feeding.gap, feeding.tally
-    pulses = max(gap.pulses, 1)
-    return Trial(
-        servo=servo,
-        seed=seed,
-        steps=last,
-        seconds=round(tally.seconds, 6),
-        pulses=gap.pulses,
-        open_percent=round(100 * gap.counted[Pulse.OPEN] / pulses, 4),
-        short_percent=round(100 * gap.counted[Pulse.SHORT] / pulses, 4),
-        retreats=tally.retreats,
-        back_steps=tally.back,
-        longest=tally.longest,
-        alarms=tally.alarms,
-        gap_um=round(gap.mean_um, 4),
-        spread_um=round(gap.spread_um, 4),
-        exact=cut_in_order(record, last),
-    )
+    return Trial(seed=seed, steps=last, exact=cut_in_order(record, last), **feeding.figures)
 
 
 def cut_in_order(record: Record, last: int) -> bool:

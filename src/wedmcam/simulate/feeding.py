@@ -8,6 +8,7 @@ point, or where the generator was switched on, it stops with an alarm.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from wedmcam.simulate.gap import Gap, Workpiece
 from wedmcam.simulate.laws import LAWS, Law
 from wedmcam.simulate.process import Leg, Turn, Way
 from wedmcam.simulate.runs import AtOnce, Draw
+from wedmcam.simulate.servo import Pulse
 
 #: Power pulses a second where none are stated [R].
 PULSES_HZ = 100_000.0
@@ -64,6 +66,25 @@ class Feeding:
         self.tally = Tally()
         self._at = self._front = self._farthest = -1
         self._waited = 0.0
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """What the servo did so far, for JSON; see `Tally` and `Gap`."""
+        gap, tally = self.gap, self.tally
+        pulses = max(gap.pulses, 1)
+        return {
+            "servo": self.law.name,
+            "seconds": round(tally.seconds, 6),
+            "pulses": gap.pulses,
+            "open_percent": round(100 * gap.counted[Pulse.OPEN] / pulses, 4),
+            "short_percent": round(100 * gap.counted[Pulse.SHORT] / pulses, 4),
+            "retreats": tally.retreats,
+            "back_steps": tally.back,
+            "longest": tally.longest,
+            "alarms": tally.alarms,
+            "gap_um": round(gap.mean_um, 4),
+            "spread_um": round(gap.spread_um, 4),
+        }
 
     def clear(self) -> None:
         """An operator has seen to an alarm: no chip bridges the gap any more."""

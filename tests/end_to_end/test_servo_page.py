@@ -71,8 +71,8 @@ def test_what_the_page_says_of_the_laws():
     assert max(mean, key=lambda law: mean[law]["short"]) == "eindhoven"
 
 
-def run(law, steps=1500):
-    """Return seconds and spread of 1,500 steps."""
+def run(law, steps=1000):
+    """Return seconds and spread of some steps."""
     feeding = Feeding(law, Gap(Workpiece(), np.random.default_rng(1)), attended=True)
     feeding.forward(0, steps, 0, 100)
     return feeding.tally.seconds, feeding.gap.spread_um

@@ -97,7 +97,7 @@ def test_the_path_cut_is_that_without_faults(law, seed):
 
 
 @pytest.mark.parametrize("law", LAWS)
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 5))
 def test_with_wire_breaks_shorts_and_power_cuts_too(law, seed, many):
     route = two_squares()

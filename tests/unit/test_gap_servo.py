@@ -1,5 +1,6 @@
 """The servo of DE 2243742 A1: its figure 4, its resets, its ramp."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from page_commands import ROOT
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+from servo_figures import DISCHARGE, FIGURES, LATE, OPEN, SHORT, figure_4_rows
+
 from wedmcam.simulate.servo import (
     Control,
     Counters,
@@ -19,35 +25,9 @@ from wedmcam.simulate.servo import (
     retract_times,
 )
 
-#: The curves of the figure: voltage 130 and current 132 at four times of each pulse.
-OPEN = Wave((100, 100, 100, 100), (0, 0, 0, 0))
-DISCHARGE = Wave((100, 25, 25, 25), (20, 20, 20, 20))
-LATE = Wave((100, 100, 25, 25), (0, 0, 20, 20))
-SHORT = Wave((2, 2, 2, 2), (30, 30, 30, 30))
-FIGURE_4 = [
-    (146, OPEN),
-    (148, DISCHARGE),
-    (150, LATE),
-    (152, DISCHARGE),
-    (154, SHORT),
-    (156, SHORT),
-    (158, SHORT),
-    (160, SHORT),
-]
-
-
-def figure_4():
-    """Return number, detector pulses, A and B behind each of them, and the signal."""
-    counters, detectors, rows = Counters(Settings(advance=4, retract=4)), Detectors(), []
-    for number, wave in FIGURE_4:
-        for voltage, current in detectors.edges(wave):
-            signal = counters.detect(voltage, current)
-            rows.append((number, voltage, current, counters.a, counters.b, signal))
-    return rows
-
 
 def test_figure_4_state_by_state():
-    assert figure_4() == [
+    assert figure_4_rows() == [
         (146, True, False, 1, 0, 0),  # open: A counts
         (148, True, True, 0, 0, 0),  # a discharge resets it
         (150, True, False, 1, 0, 0),  # a delayed one: the voltage first,
@@ -65,9 +45,15 @@ def test_figure_4_stands_in_the_docs():
     kinds = {146: "open", 148: "discharge", 150: "delayed", 152: "discharge"}
     marks = {(True, False): "voltage", (True, True): "both", (False, True): "current"}
     words = {0: "", 1: "advance", -1: "retract"}
-    for number, voltage, current, a, b, signal in figure_4():
+    for number, voltage, current, a, b, signal in figure_4_rows():
         cells = (number, kinds.get(number, "short"), marks[voltage, current], a, b, words[signal])
         assert "| " + " | ".join(map(str, cells)).rstrip() + " |" in page.replace("  |", " |")
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_pictures_of_the_page_are_up_to_date(name):
+    assert (ROOT / "docs" / "figures" / name).read_text("utf-8") == FIGURES[name]()
+    assert f"](figures/{name})" in (ROOT / "docs" / "servo.md").read_text("utf-8")
 
 
 def test_detectors_tell_the_pulses_apart():

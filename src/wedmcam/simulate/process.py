@@ -382,7 +382,6 @@ class _Process:
             self.feeder.clear()
         self.stand = Stand(Mode.FORWARD, self.stand.step)
         self._log("clear-alarm")
-        self._halts = self._halts_behind(self.stand.step)
 
     # --- all modes ----------------------------------------------------------------------------
 

@@ -119,7 +119,8 @@ def move(
         table[:, k] = at - (0 if setup.true_approach[k] > 0 else setup.play[k])
         ends.append(end)
     ways = np.array([_WAYS.index(one.way) for one in legs], dtype=np.uint8)[leg]
-    time = np.cumsum(_durations(ways, step, ups, setup, feeds))
+    seconds = _durations(ways, step, ups, setup, feeds)
+    time = np.cumsum(_as_served(legs, lengths, seconds, ups, setup))
     return Motion(axis, sign, step, ways, ups, commanded, motor, table, time, (ends[0], ends[1]))
 
 
@@ -184,6 +185,18 @@ def _straight(route: Route, leg: Leg) -> tuple[NDArray[np.uint8], NDArray[np.int
     step = np.diff(place, axis=0)
     axis = (step[:, 0] == 0).astype(np.uint8)
     return axis, step.sum(axis=1).astype(np.int8), start + place[1:]
+
+
+def _as_served(
+    legs: Sequence[Leg], lengths: Ints, seconds: Floats, ups: Ints, setup: Setup
+) -> Floats:
+    """Return how long every step takes, where a servo says so for whole legs as it says."""
+    ends = np.cumsum(lengths)
+    for leg, end in zip(legs, ends.tolist(), strict=True):
+        if leg.seconds is not None:
+            rows = slice(end - leg.steps, end)
+            seconds[rows] = leg.seconds + ups[rows] * (setup.return_ms / 1000)
+    return seconds
 
 
 def _durations(

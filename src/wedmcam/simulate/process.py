@@ -10,7 +10,10 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 import numpy as np
 
@@ -76,6 +79,7 @@ class Leg:
         first, last: numbers of the places between which it goes; a straight one leaves the path at
             ``first`` and goes to the place ``last``.
         made, count: of a straight one: how many of its steps were made before, and are now.
+        seconds: how long each step takes, where a servo says so.
     """
 
     way: Way
@@ -83,6 +87,7 @@ class Leg:
     last: int
     made: int = 0
     count: int = 0
+    seconds: NDArray[np.float64] | None = field(default=None, compare=False)
 
     @property
     def steps(self) -> int:
@@ -100,8 +105,10 @@ class Leg:
         else:
             up = 1 if self.last > self.first else -1
             for first in range(self.first, self.last, up * most):
-                rest = self.last - first
-                yield replace(self, first=first, last=first + up * min(most, abs(rest)))
+                count = min(most, abs(self.last - first))
+                made, seconds = abs(first - self.first), self.seconds
+                part = None if seconds is None else seconds[made : made + count]
+                yield replace(self, first=first, last=first + up * count, seconds=part)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +161,35 @@ class Answers:
     shortest: bool
 
 
+class Turn(NamedTuple):
+    """What a servo makes of a way forward.
+
+    Attributes:
+        legs: forward and back.
+        step: number of the place at their end.
+        back: steps behind the farthest place at which it stopped with an alarm; None where it has
+            arrived.
+    """
+
+    legs: tuple[Leg, ...]
+    step: int
+    back: int | None
+
+
+class Feeder(Protocol):
+    """A servo as the process sees it: see `feeding.Feeding`."""
+
+    attended: bool
+
+    def forward(self, step: int, goal: int, floor: int, retreat: int) -> Turn:
+        """Go to the first arrival at a place, or to an alarm."""
+        ...
+
+    def clear(self) -> None:
+        """Go on behind an alarm whose cause is gone."""
+        ...
+
+
 def way_back(route: Route, answers: Answers, fault: Fault) -> Stand:
     """Return how a controller starts back from a short circuit or a wire break."""
     step = fault.step
@@ -177,7 +213,13 @@ def steps_back(route: Route, stand: Stand) -> int:
     return stand.step - stand.target
 
 
-def walk(route: Route, scenario: Scenario, stand: Stand, answers: Answers) -> Walk:
+def walk(
+    route: Route,
+    scenario: Scenario,
+    stand: Stand,
+    answers: Answers,
+    feeder: Feeder | None = None,
+) -> Walk:
     """Return the path of a run, up to the end of the program, an alarm, or a power cut.
 
     Args:
@@ -185,17 +227,23 @@ def walk(route: Route, scenario: Scenario, stand: Stand, answers: Answers) -> Wa
         scenario: its faults are checked, and lie at or behind ``stand``.
         stand: where it begins.
         answers: of the controller.
+        feeder: a servo that feeds the wire; without one it goes forward as the scenario says.
     """
-    return _Process(route, answers, stand, scenario.faults).run()
+    return _Process(route, answers, stand, scenario.faults, feeder).run()
 
 
 class _Process:
     """The state machine: each method of a mode goes on until the mode changes, or power fails."""
 
     def __init__(
-        self, route: Route, answers: Answers, stand: Stand, faults: tuple[Fault, ...]
+        self,
+        route: Route,
+        answers: Answers,
+        stand: Stand,
+        faults: tuple[Fault, ...],
+        feeder: Feeder | None,
     ) -> None:
-        self.route, self.answers, self.stand = route, answers, stand
+        self.route, self.answers, self.stand, self.feeder = route, answers, stand, feeder
         self.faults, self.next = faults, 0
         self.legs: list[Leg] = []
         self.incidents: list[Incident] = []
@@ -223,11 +271,13 @@ class _Process:
         fault = self.faults[self.next] if self.next < len(self.faults) else None
         goal = self.route.steps if fault is None else fault.step
         while self._halts and self._halts[-1].step <= goal:
+            if not self._forward_to(self._halts[-1].step):
+                return
             halt = self._halts.pop()
-            self._forward_to(halt.step)
             kind = "thread-point" if halt.thread else "pause"
             self._log(kind, halt_block=halt.block)
-        self._forward_to(goal)
+        if not self._forward_to(goal):
+            return
         if fault is None:
             self.stand = replace(self.stand, mode=Mode.END)
             self._log("end")
@@ -240,12 +290,45 @@ class _Process:
         else:
             self._break(fault)
 
-    def _forward_to(self, goal: int) -> None:
-        step = self.stand.step
-        for way, last in self._ways(step, goal):
-            self._add(Leg(way, step, last))
-            step = last
-        self.stand = replace(self.stand, step=goal)
+    def _forward_to(self, goal: int) -> bool:
+        """Go to a place; return whether the machine has come there without an alarm."""
+        for way, last in self._ways(self.stand.step, goal):
+            if way is Way.CUT and self.feeder is not None:
+                if not self._feed(self.feeder, last):
+                    return False
+            else:
+                self._add(Leg(way, self.stand.step, last))
+                self.stand = replace(self.stand, step=last)
+        return True
+
+    def _feed(self, feeder: Feeder, goal: int) -> bool:
+        """Let a servo go to a place of a stretch on which the generator is on."""
+        switches = self.route.switches
+        before = bisect_right(switches, self.stand.step)
+        begun = switches[before - 1] if before else 0
+        cleared = False
+        while True:
+            step = self.stand.step
+            # It goes back no farther than a retreat, and not onto a positioning move [R].
+            floor = max(last_thread(self.route, step), begun)
+            turn = feeder.forward(step, goal, floor, self.answers.retreat)
+            for leg in turn.legs:
+                back = leg.way is Way.RETREAT
+                if back:
+                    self._log("short", length=leg.steps)
+                self._add(leg)
+                self.stand = replace(self.stand, step=leg.last)
+                if back and (turn.back is None or leg is not turn.legs[-1]):
+                    self._log("clear")
+            if turn.back is None:
+                return True
+            self.stand = Stand(Mode.ALARM, turn.step, turn.step, short=True)
+            self._log("alarm", back=turn.back)
+            if not feeder.attended or (cleared and not turn.legs):
+                return False
+            # Who clears an alarm at which nothing moves will not clear it again.
+            cleared = True
+            self._clear_alarm()
 
     def _ways(self, step: int, goal: int) -> Iterator[tuple[Way, int]]:
         """Yield the ends of stretches with the generator on, and off."""
@@ -305,9 +388,10 @@ class _Process:
         self._halts = self._halts_behind(self.stand.step)
 
     def _clear_alarm(self) -> None:
+        if self.feeder is not None:
+            self.feeder.clear()
         self.stand = Stand(Mode.FORWARD, self.stand.step)
         self._log("clear-alarm")
-        self._halts = self._halts_behind(self.stand.step)
 
     # --- all modes ----------------------------------------------------------------------------
 

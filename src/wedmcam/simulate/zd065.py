@@ -17,7 +17,7 @@ from wedmcam.diag import Diagnostic, error, warning
 from wedmcam.simulate.axis import AxisState, part_taken
 from wedmcam.simulate.checks import check_scenario
 from wedmcam.simulate.motion import Setup, batches
-from wedmcam.simulate.process import Answers, Incident, Mode, Stand, Walk, walk
+from wedmcam.simulate.process import Answers, Feeder, Incident, Mode, Stand, Walk, walk
 from wedmcam.simulate.record import Event, Record, Session, table_of
 from wedmcam.simulate.route import Reading, Route
 from wedmcam.simulate.scenario import Scenario
@@ -40,6 +40,7 @@ def run(
     state: State | None = None,
     *,
     stop_at_power: bool = False,
+    feeder: Feeder | None = None,
 ) -> tuple[Record | None, list[Diagnostic]]:
     """Run a program with everything that a scenario says goes wrong.
 
@@ -49,11 +50,13 @@ def run(
         setup: of the machine.
         state: to go on from, checked; None to begin the program.
         stop_at_power: a power cut ends the run; else the state is saved, read, and the run goes on.
+        feeder: a servo that feeds the wire; not in a dry run, where the pen has no gap.
 
     Returns:
         None, and why, where a fault cannot happen.
     """
     begin = state or initial(route, setup)
+    feeder = feeder if setup.dry_ms is None else None
     wrong = check_scenario(scenario, route, ANSWERS, setup, begin.stand)
     if wrong:
         return None, wrong
@@ -62,7 +65,7 @@ def run(
         tally.resume(state)
     sessions, faults = [], scenario.faults
     while True:
-        path = walk(route, replace(scenario, faults=faults), begin.stand, ANSWERS)
+        path = walk(route, replace(scenario, faults=faults), begin.stand, ANSWERS, feeder)
         sessions.append(Session(path.legs, begin))
         axes, seconds = tally.watch(path, begin, scenario.feeds)
         end = _state_behind(path, axes, begin.time_s + seconds, route, setup)
@@ -191,7 +194,10 @@ def _findings(record: Record) -> list[Diagnostic]:
             "the machine stopped with an alarm at step {step}, block {block}: the short circuit is "
             "still there, {back} steps back"
         )
-        short = next(one for one in reversed(record.events) if one.kind == "short")
+        back = record.events[-1].more.get("back")
+        if back is None:
+            short = next(one for one in reversed(record.events) if one.kind == "short")
+            back = short.step - stand.step
         findings.append(
             error(
                 "alarm",
@@ -200,7 +206,7 @@ def _findings(record: Record) -> list[Diagnostic]:
                 hint="look at the generator and the wire; then the machine goes on from its state",
                 step=stand.step,
                 block=record.state.reading.block,
-                back=short.step - stand.step,
+                back=back,
             )
         )
     x, y = record.off_um

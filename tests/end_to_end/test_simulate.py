@@ -324,3 +324,27 @@ def test_the_library_simulates():
     assert result.record.final_um == (0, 0)
     with pytest.raises(library.WrongUse, match="no controller"):
         library.simulate_program(KEY, controller="agie", backlash=(0, 0))
+
+
+@pytest.mark.parametrize("servo", ["patent", "eindhoven", "feed"])
+def test_a_servo_feeds_the_wire(servo, tmp_path):
+    state = tmp_path / "a.state"
+    line = (KEY, *PLAY, "--servo", servo, "--fault", "power@1000", "--state", str(state))
+    status, facts, told = run(*line)
+    assert (status, told) == (0, "")
+    assert facts["servo"]["servo"] == servo
+    assert facts["servo"]["pulses"] > 1_000_000
+    assert facts["servo"]["alarms"] == 0
+    assert facts["off_um"] == [0, 0]
+    assert facts["stopped_at"] == 1000
+    assert facts["time_s"] > facts["servo"]["seconds"]
+    again = run(*line)[1]
+    assert again == facts
+    assert run(*line, "--seed", "5")[1]["servo"] != facts["servo"]
+
+
+@pytest.mark.parametrize("more", [("--feed", "2"), ("--dry-run", "5")])
+def test_a_servo_needs_a_gap_and_no_other_feed(more):
+    done = wedmcam("simulate", KEY, *PLAY, "--servo", "feed", *more)
+    assert done.returncode == 2
+    assert b"--servo" in done.stderr

@@ -32,8 +32,21 @@ def print_simulation(simulation: Simulation, verbose: bool, state: str | None) -
     print_text(f"enter      {delay}backlash X {x} Y {y} um{play}{_approach(record)}", err=True)
     _print_events(record, verbose)
     _print_end(record)
+    if simulation.servo is not None:
+        _print_servo(simulation.servo)
     if state is not None:
         print_text(f"state      {state}: --resume {state} goes on", err=True)
+
+
+def _print_servo(figures: Mapping[str, Any]) -> None:
+    """Print what the servo did."""
+    f = figures
+    print_text(
+        f"servo      {f['servo']}: {f['pulses']} pulses, {f['open_percent']:.1f} % open, "
+        f"{f['short_percent']:.1f} % shorts; {_number(f['retreats'], 'retreat')}; gap "
+        f"{f['gap_um']:.1f} um, +/-{f['spread_um']:.1f}",
+        err=True,
+    )
 
 
 def _number(count: int, what: str) -> str:

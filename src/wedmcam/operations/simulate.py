@@ -7,7 +7,7 @@ entered comes from the caller, from a scenario file and, where a run goes on, fr
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ from wedmcam.machines import Machine, reading
 from wedmcam.operations.profiles import reader_machine
 from wedmcam.simulate import zd065
 from wedmcam.simulate.conditions import Conditions, setup_of
+from wedmcam.simulate.feeding import feeding_of
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Mode
 from wedmcam.simulate.read import read_scenario
@@ -47,6 +48,7 @@ class Simulation:
         record: what the machine did; None where it ran nothing.
         findings: in order.
         cut_short: a power cut ended the run on purpose: its state is there to go on from.
+        servo: what the servo that fed the wire did; None without one.
     """
 
     input: str
@@ -55,6 +57,7 @@ class Simulation:
     record: Record | None
     findings: tuple[Diagnostic, ...]
     cut_short: bool = False
+    servo: Mapping[str, Any] | None = None
 
     @property
     def ok(self) -> bool:
@@ -88,6 +91,8 @@ class Simulation:
         }
         if self.record is not None:
             facts |= _figures(self.record)
+        if self.servo is not None:
+            facts["servo"] = dict(self.servo)
         facts["diagnostics"] = [finding_data(d) for d in self.findings]
         return facts
 
@@ -119,7 +124,9 @@ def simulate_program(
         name: of the program, in findings.
         **stated: other fields of `Conditions`: ``backlash=(12, 15)`` (um; without it the machine
             refuses to cut), ``play``, ``approach``, ``true_approach``, ``feed`` (steps a second),
-            ``return_ms``, ``dry_ms``, ``random=(count, seed)``. They win over the scenario.
+            ``return_ms``, ``dry_ms``, ``random=(count, seed)``, ``servo=("patent", seed)`` (or
+            "eindhoven", "feed": it feeds the wire; its alarm ends the run). They win over the
+            scenario.
 
     Raises:
         WrongUse: an unknown controller, a text that is no fault, or other figures than those of the
@@ -131,6 +138,8 @@ def simulate_program(
     data, name = bytes_of(source, name)
     sha256 = hashlib.sha256(data).hexdigest()
     conditions = Conditions(faults=tuple(map(_fault, faults)), **stated)
+    servo = conditions.servo
+    feeding = None if servo is None else feeding_of(*servo, attended=False)
     run = Run(strict)
     record: Record | None = None
     try:
@@ -142,12 +151,14 @@ def simulate_program(
         state = None if resume is None else run("state", _resumed(*_named(resume, "state"), route))
         setup = run("enter", _entered(conditions, state, name))
         happens = _scenario_of(conditions, route)
-        record = run("run", zd065.run(route, happens, setup, state, stop_at_power=stop_at_power))
+        ran = zd065.run(route, happens, setup, state, stop_at_power=stop_at_power, feeder=feeding)
+        record = run("run", ran)
         run.add("run", record.findings)
     except Refused:
         pass
     cut = stop_at_power and record is not None and _ended_by_power(record)
-    return Simulation(name, controller, sha256, record, tuple(run.findings), cut)
+    figures = None if feeding is None or record is None else feeding.figures
+    return Simulation(name, controller, sha256, record, tuple(run.findings), cut, figures)
 
 
 def _ended_by_power(record: Record) -> bool:

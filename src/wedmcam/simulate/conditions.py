@@ -40,6 +40,7 @@ class Conditions:
         return_ms: delay of a step on ways back and moves, and of taking up play.
         dry_ms: delay of a step of a dry run.
         random: how many random faults, and the seed.
+        servo: which law feeds the wire, and the seed of its gap.
         faults: what goes wrong.
         feeds: from which step on the feed signal has another frequency.
     """
@@ -52,6 +53,7 @@ class Conditions:
     return_ms: int | None = None
     dry_ms: int | None = None
     random: Pair | None = None
+    servo: tuple[str, int] | None = None
     faults: tuple[Fault, ...] = ()
     feeds: tuple[tuple[int, float], ...] = ()
 

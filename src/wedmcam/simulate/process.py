@@ -15,8 +15,6 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-import numpy as np
-
 from wedmcam.simulate.route import Halt, Route
 from wedmcam.simulate.scenario import Fault, Scenario, Trouble, last_thread
 

@@ -92,6 +92,11 @@ _DELAY = click.IntRange(1, 9999)
     metavar="N",
     help="N random faults, of --seed.",
 )
+@click.option(
+    "--servo",
+    type=click.Choice(["patent", "eindhoven", "feed"]),
+    help="A servo feeds the wire, pulse by pulse, in a gap of --seed; docs/servo.md.",
+)
 @click.option("--seed", type=click.IntRange(0, 999_999_999), metavar="N", help="0 if not given.")
 @click.option(
     "--dry-run",

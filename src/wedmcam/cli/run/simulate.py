@@ -61,11 +61,15 @@ def _stated(params: dict[str, Any]) -> dict[str, Any]:
     """Return the conditions that were stated, by the names of their fields.
 
     Raises:
-        UsageError: a seed without something to draw.
+        UsageError: a seed without something to draw, a servo without a gap or with another feed.
     """
     count, seed = params["random_count"], params["seed"]
-    if count is None and seed is not None:
-        raise click.UsageError("--seed draws random faults: give --random N")
+    if count is None and params["servo"] is None and seed is not None:
+        raise click.UsageError("--seed draws faults, or a gap: give --random N or --servo LAW")
+    if params["servo"] is not None and params["feed_um"] is not None:
+        raise click.UsageError("--servo feeds the wire by itself: leave --feed out")
+    if params["servo"] is not None and params["dry_ms"] is not None:
+        raise click.UsageError("--servo needs the generator, which is off in a dry run")
     stated = {
         name: params[name]
         for name in ("backlash", "play", "approach", "true_approach", "dry_ms", "return_ms")
@@ -75,6 +79,7 @@ def _stated(params: dict[str, Any]) -> dict[str, Any]:
         # A step is 1 um.
         "feed": None if params["feed_um"] is None else params["feed_um"] / 60,
         "random": None if count is None else (count, seed or 0),
+        "servo": None if params["servo"] is None else (params["servo"], seed or 0),
     }
 
 

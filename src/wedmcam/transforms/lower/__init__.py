@@ -611,6 +611,8 @@ def _blocks(
     arc = (s.turn != 0) & (s.done == 1)
     still = ~arc & (dx == 0) & (dy == 0)
     specks = still & (s.role == Role.CONTOUR) & (a != b)
+    if rules.vectors is not None:  # a part of a segment that met the part before it is none
+        specks &= np.hypot(s.x[b] - s.x[a], s.y[b] - s.y[a]) < 1.0
     if specks.any():
         findings.append(
             note(

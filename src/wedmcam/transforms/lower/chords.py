@@ -33,8 +33,9 @@ STAIRS = 3
 LEAST = 2.3
 #: How much nearer to what falls away points are chosen, steps.
 AWAY = 0.1
-#: A point lies at most this far from the true one, steps.
-MOVED = 1.0
+#: A point lies at most this far from the true one, steps; the second where vectors are so short
+#: that the next point could come to lie behind it.
+MOVED, NEAREST = 1.0, 0.75
 #: Places of the grid about one.
 NEAR = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
@@ -115,7 +116,8 @@ def points(
             off = beside(one, gx[vertex, k], gy[vertex, k])
             np.maximum.at(cost[:, k], vertex, np.abs(off - want))
     away = np.hypot(gx - x[:, None], gy - y[:, None])
-    cost += np.where(away > MOVED, 10.0, 0.02 * away)
+    far = MOVED if stepping.speed >= STAIRS else NEAREST
+    cost += np.where(away > far, 10.0, 0.02 * away)
     best = np.argmin(cost, axis=1)
     row = np.arange(len(best))
     return gx[row, best], gy[row, best]

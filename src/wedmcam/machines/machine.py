@@ -354,6 +354,11 @@ class Machine:
 
         return stepping_of(self.format, self.own_table)
 
+    @property
+    def counts_speed(self) -> bool:
+        """Whether ``count`` of a line is its cutting speed, and no count length."""
+        return self.is_of("dem15")
+
     def is_of(self, format_: str) -> bool:
         """Return whether its programs are in a format."""
         return self.format == format_

@@ -73,8 +73,32 @@ class Dem15(Stated):
             return None, [_no_speed(feed_um)]
         data, findings = self._encoded(program)
         if data:
-            findings = [*findings, *_told(program, speed, feed_um)]
+            findings = [*findings, *self._told(program, speed, feed_um)]
         return data, findings
+
+    def _told(self, program: Program, speed: int, feed_um: float | None) -> list[Diagnostic]:
+        """Return the note that says at which speed the vectors are run, and how long that takes.
+
+        The speed along a vector is not quite the one that is asked for, so the time is that of the
+        timers.
+        """
+        cutting = program.blocks[program.blocks["kind"] == Kind.LINE]
+        stepping = self.machine.stepping
+        assert isinstance(stepping, Vectors)
+        longest = float(np.hypot(cutting["x"], cutting["y"]).max(initial=0)) * program.step_um
+        return [
+            note(
+                "vector-speed",
+                "{vectors} vectors for a cutting speed of {speed_mm:.5f} mm a minute ({speed}), "
+                "the longest {longest_mm:.3f} mm, {minutes:.0f} min of cutting"
+                + ("" if feed_um is not None else ": the profile's speed, no --feed was given"),
+                vectors=len(cutting),
+                speed_mm=speed * dem15.SPEED_UM / 1000,
+                speed=speed,
+                longest_mm=longest / 1000,
+                minutes=float(stepping.seconds(cutting).sum()) / 60,
+            )
+        ]
 
 
 def _no_speed(feed_um: float) -> Diagnostic:
@@ -87,21 +111,3 @@ def _no_speed(feed_um: float) -> Diagnostic:
         least_mm=dem15.SPEED_UM / 1000,
         most_mm=dem15.FASTEST * dem15.SPEED_UM / 1000,
     )
-
-
-def _told(program: Program, speed: int, feed_um: float | None) -> list[Diagnostic]:
-    """Return the note that says at which speed the vectors are run, and how many there are."""
-    cutting = program.blocks[program.blocks["kind"] == Kind.LINE]
-    longest = float(np.hypot(cutting["x"], cutting["y"]).max(initial=0)) * program.step_um
-    return [
-        note(
-            "vector-speed",
-            "{vectors} vectors for a cutting speed of {speed_mm:.5f} mm a minute ({speed}), the "
-            "longest {longest_mm:.3f} mm"
-            + ("" if feed_um is not None else ": the profile's speed, no --feed was given"),
-            vectors=len(cutting),
-            speed_mm=speed * dem15.SPEED_UM / 1000,
-            speed=speed,
-            longest_mm=longest / 1000,
-        )
-    ]

@@ -116,7 +116,7 @@ def points(
             off = beside(one, gx[vertex, k], gy[vertex, k])
             np.maximum.at(cost[:, k], vertex, np.abs(off - want))
     away = np.hypot(gx - x[:, None], gy - y[:, None])
-    far = MOVED if stepping.speed >= STAIRS else NEAREST
+    far = NEAREST if _short(stepping) else MOVED
     cost += np.where(away > far, 10.0, 0.02 * away)
     best = np.argmin(cost, axis=1)
     row = np.arange(len(best))
@@ -133,13 +133,18 @@ def _heading(t: Ideal, which: int) -> tuple[Floats, Floats]:
     return ux / length, uy / length
 
 
+def _short(stepping: Vectors) -> bool:
+    """Return whether directions are so coarse that vectors are of a step or two."""
+    return stepping.direction == "root" and stepping.speed < STAIRS
+
+
 def _centre(ux: Floats, uy: Floats, stepping: Vectors) -> Floats:
     """Return where places have to lie beside a line for its stair to lie about it.
 
     With x first the stair lies from |ux| to the right to |uy| to the left where both go one way. At
     the lowest speeds vectors are of a step or two, and there is none.
     """
-    if stepping.speed < STAIRS:
+    if _short(stepping):
         return np.zeros(len(ux))
     a, b = np.abs(ux), np.abs(uy)
     out: Floats = (a - b) / 2.0 * np.sign(np.round(ux, 6) * np.round(uy, 6))

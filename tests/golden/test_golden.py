@@ -34,6 +34,8 @@ CASES = [
     ("gear-24", ".textbook.3b", {"offset": 0.1, "count": "textbook"}),
     ("plate", ".4b", {"offset": 0.1, "corner": 0.3, "ignore_layers": ["START"]}),
     ("cam", ".die.4b", {"offset": 0.1, "corner": 0.3, "side": "die", "ignore_layers": ["START"]}),
+    ("key-punch", ".d15", {"offset": 0.1, "feed": 1.0}),
+    ("gear-24", ".d15", {"offset": 0.1, "feed": 2.0}),
 ]
 PROFILES = {
     "plate.columns.3b": "b3-columns",
@@ -47,7 +49,7 @@ PROFILES = {
 
 def compiled(drawing, ending, options, profile=None):
     data = (SAMPLES / f"{drawing}.dxf").read_bytes()
-    to = {".zd": "compact", ".nc": "iso", ".4b": "4b"}.get(ending[-3:], "3b")
+    to = {".zd": "compact", ".nc": "iso", ".4b": "4b", "d15": "dem15"}.get(ending[-3:], "3b")
     made = api.compile(data, to=to, name=drawing, profile=profile, **options)
     assert made.ok, [d.message for d in made.findings]
     return made
@@ -93,9 +95,10 @@ def judge(path, data, update):
 
 @pytest.mark.parametrize(("drawing", "ending", "options"), CASES)
 def test_figures_of_the_issue(drawing, ending, options):
-    v = compiled(drawing, ending, options).verdict
-    assert v.max_deviation_um <= 2.0
-    assert v.gouge_um <= 1.6
+    made = compiled(drawing, ending, options)
+    v, step_um = made.verdict, made.machine.axes.step_um
+    assert v.max_deviation_um <= 2.0 * step_um
+    assert v.gouge_um <= 1.6 * step_um
     assert v.closure_um == 0
 
 

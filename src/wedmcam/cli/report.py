@@ -56,13 +56,16 @@ def print_figures(proof: Proof) -> None:
         else f"cuts end within {s['closure_um']:.0f} um of where they began"
     )
     back = s["reversals"]
-    most, limit = (s["limits"]["count_um"][k] / 1000 for k in ("largest", "limit"))
+    key, what = (
+        ("count_um", "largest J") if "count_um" in s["limits"] else ("line_um", "longest way")
+    )
+    most, limit = (s["limits"][key][k] / 1000 for k in ("largest", "limit"))
     for line in (
         f"program    {s['blocks']} blocks, {s['moves']} moves, {s['steps']} steps, path "
         f"{s['path_mm']:.3f} mm",
         f"contours   {s['contours']}; {ends}",
         f"axes       reverse {back['x']} times on x, {back['y']} on y",
-        f"limits     the largest J is {most:.3f} of {limit:.3f} mm",
+        f"limits     the {what} is {most:.3f} of {limit:.3f} mm",
         "give --against DRAWING to prove the part",
     ):
         print_text(line, err=True)

@@ -38,7 +38,9 @@ def dump_lines(program: Program, machine: Machine) -> Iterator[str]:
         turned = replace(axes, step_um=1.0).text
         yield f"axes: {turned}; Z, X, Y, G and ends are in the axes of the drawing"
     if axes.step_um != 1:
-        yield f"X, Y and J are steps of {axes.step_um:g} um, ends are um"
+        lengths = "X and Y" if machine.counts_speed else "X, Y and J"
+        speed = ", J is the speed" if machine.counts_speed else ""
+        yield f"{lengths} are steps of {axes.step_um:g} um{speed}, ends are um"
     yield "block  where    kind   Z          X          Y  G            J      end x      end y"
     for r in dump(program, machine):
         if r.count is None:

@@ -78,7 +78,8 @@ def write_program(
 
     refused = target.refuses_written
     entries = run("enter", (target.entries(plan), () if refused is None else (refused,)))
-    lowered = run("lower", lower(plan, target.rules(options.judging.count)))
+    rules = target.rules(options.judging.count, options.operator.feed_um)
+    lowered = run("lower", lower(plan, rules))
     if plan.others is not None:
         load = stretch(lowered, *plan.others.rows, plan.others.start)
         lowered = run("lower", (load, ()))

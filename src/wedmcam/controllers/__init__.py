@@ -12,12 +12,12 @@ from importlib import import_module
 
 from wedmcam.controllers.stepping import ArcEnd, Motion, Step, Stepping
 
-#: Format of programs -> "module:class" of the interpolator that runs them, made of the name of a
-#: line table; named and not imported, so that starting costs nothing.
+#: Format of programs -> "module:class" of the interpolator that runs them, made of the name of how
+#: lines are stepped; named and not imported, so that starting costs nothing.
 STEPPINGS: dict[str, str] = dict.fromkeys(
     ("3b", "4b", "iso", "compact", "rotation", "compensation"),
     "wedmcam.controllers.pointwise:of_table",
-)
+) | {"dem15": "wedmcam.controllers.eindhoven.vectors:of_table"}
 
 
 def stepping_of(format_: str, table: str) -> Stepping:
@@ -25,7 +25,7 @@ def stepping_of(format_: str, table: str) -> Stepping:
 
     Args:
         format_: of their programs.
-        table: by which they step lines, a value of `pointwise.LineTable`.
+        table: how they step lines: a value of `pointwise.LineTable`, or what its module knows.
 
     Raises:
         KeyError: no controller reads this format.

@@ -838,6 +838,50 @@ CODES: dict[str, Code] = {
         "The machine runs into its limit switches.",
         "Move or turn the part, or split it.",
     ),
+    "origin-moved": Code(
+        "The places of the drawing do not lie on the table as they are: all of them were moved.",
+        "The program's places are not those of the drawing; the path is the same.",
+        "Clamp the blank so, or draw the part between zero and the travel of the table.",
+    ),
+    "vector-speed": Code(
+        "At which speed the vectors of a program are run, and into how many the path was cut.",
+        "The lower the speed, the coarser are the controller's directions, and the shorter vectors "
+        "have to be: at another speed this program leaves its path.",
+        "Nothing has to be done; --feed states the speed.",
+    ),
+    "speed-range": Code(
+        "A cutting speed that the controller does not have: it has 1 to 127 times 15.75 um a "
+        "minute.",
+        "At speed 0 a vector never ends, and a larger number does not fit 7 bits.",
+        "State a speed or a --feed in its range.",
+    ),
+    "generator-words": Code(
+        "Control words t(i) and t(p) with which the generator cuts out, or draws more than 2 A.",
+        "The supply is overloaded, or the wire runs into the work without a spark.",
+        "t(p) at least 119 (7 V), t(i) at most one and a half times t(p).",
+    ),
+    "bad-job-record": Code(
+        "A line that is no job record of the DEM-15.",
+        "A vector or a pause of the program would be lost.",
+        "Write `x y new-x new-y t(i) t(p) speed`, seven whole numbers, P or E.",
+    ),
+    "positions-unit": Code(
+        "A program of the DEM-15 does not say what its positions count, or counts other units than "
+        "the profile.",
+        "Read in the other unit the part is cut twice as large, or half.",
+        "The first line says UM or STEPS; read it with the profile that counts so.",
+    ),
+    "place-step": Code(
+        "A place of a vector is an odd number of um, and a step is 2 um.",
+        "The axis steps past its target and never arrives.",
+        "Put places on even numbers.",
+    ),
+    "place-jump": Code(
+        "A vector does not start where the one before it ends.",
+        "The controller takes the place for where it stands: all that follows is cut beside the "
+        "path.",
+        "Look for the record that is missing.",
+    ),
     "not-in-format": Code(
         "A block that the format cannot express.",
         "It would be cut otherwise than meant.",

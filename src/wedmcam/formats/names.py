@@ -10,6 +10,7 @@ FORMAT_OF_SUFFIX = {
     ".zdc": "compensation",
     ".nc": "iso",
     ".4b": "4b",
+    ".d15": "dem15",
     ".ngc": "iso",
     ".gcode": "iso",
     ".iso": "iso",
@@ -18,5 +19,5 @@ FORMAT_OF_SUFFIX = {
 SUFFIX_OF_FORMAT: dict[str, str] = {}
 for _ending, _format in FORMAT_OF_SUFFIX.items():
     SUFFIX_OF_FORMAT.setdefault(_format, _ending)
-PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
+PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b", "dem15")
 SOURCE_FORMATS = ("dxf", "wed")

@@ -88,6 +88,8 @@ def identify(data: bytes) -> Identification:
     if is_part(data):
         return Identification("wed", 0, None, None, True, "program of the part language")
     codes = plain(data).codes
+    if (jobs := _jobs(codes)) is not None:
+        return jobs
     records = find_records(codes)
     if (four := b4.fourths(codes)) and len(four) >= len(records.start):
         last, count = b4.RECORD.match(codes, four[-1].start), len(four)
@@ -104,6 +106,24 @@ def identify(data: bytes) -> Identification:
     if (seen := _iso(data, codes)) is not None:
         return seen
     return identify_memory(data)
+
+
+#: How a file of job records begins: with what positions count, or with a record.
+_JOBS = re.compile(rb"\s*(?:(UM|STEPS) *\n|\d+(?: +\d+){6} *(?:\n|$))")
+_JOB = re.compile(rb"^ *\d+(?: +\d+){6} *$", re.M)
+
+
+def _jobs(codes: bytes) -> Identification | None:
+    """Return what a text of job records of the DEM-15 is; None where it does not begin like one."""
+    begin = _JOBS.match(codes)
+    records = list(_JOB.finditer(codes)) if begin else []
+    if begin is None or not records:
+        return None
+    count, last = len(records), records[-1].end() - 1
+    words = "vector" if count == 1 else "vectors"
+    unit = {b"UM": "um", b"STEPS": "steps"}.get(begin[1], "an unknown unit")
+    reason = f"job records of the DEM-15: {count} {words}, positions in {unit}"
+    return Identification("dem15", count, last, None, begin[1] is not None, reason)
 
 
 #: A line of ISO words: letters and numbers, an optional slash first, nothing else.

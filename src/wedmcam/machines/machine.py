@@ -238,6 +238,27 @@ class Axes:
 
 
 @dataclass(frozen=True, slots=True)
+class Vectors:
+    """How a controller runs displacement vectors, and what its job records say of the generator.
+
+    Attributes:
+        direction: how the speeds of the axes are computed: ``root``: in whole numbers, by the root
+            of the vector's length; ``sines``: by sine and cosine from a table of 255 values.
+        positions: what a position counts: ``um``: a step is 2; ``steps``: a step is 1, and 16 bits
+            reach twice as far.
+        speed: of cutting where no ``--feed`` is given, in units of 15.75 um a minute.
+        t_i: control word of the pulse duration, 5 V at 255.
+        t_p: control word of the pulse period, 15 V at 255.
+    """
+
+    direction: str = "root"
+    positions: str = "um"
+    speed: int = 64
+    t_i: int = 100
+    t_p: int = 200
+
+
+@dataclass(frozen=True, slots=True)
 class Machine:
     """One controller or dialect.
 
@@ -253,6 +274,7 @@ class Machine:
         words: see `Words`; used by 3B.
         layout: see `Layout`; used by 3B and, as far as it fits, by ISO.
         iso: see `Iso`; used by ISO.
+        vectors: see `Vectors`; used by the DEM-15.
         axes: see `Axes`.
         writes: programs are written for it; else they are only read. A profile that only reads says
             what a source states of its machine, and leaves the rest to the file and the user.
@@ -269,10 +291,13 @@ class Machine:
     iso: Iso = field(default_factory=Iso)
     axes: Axes = field(default_factory=Axes)
     writes: bool = True
+    vectors: Vectors = field(default_factory=Vectors)
 
     @property
     def table(self) -> str:
-        """The line table as it looks from the drawing: a value of `pointwise.LineTable`.
+        """How lines are stepped, as it looks from the drawing: a name for `stepping_of`.
+
+        Mostly a value of `pointwise.LineTable`.
 
         >>> from dataclasses import replace
         >>> from wedmcam.machines import builtin
@@ -281,11 +306,25 @@ class Machine:
         ('rotate', 'rotate-exchanged')
         """
         a = self.axes
+        if self.is_of("dem15"):
+            return self.own_table + "-exchanged" * a.exchange
         if self.line_table == "mirror":  # every quadrant alike: mirrors change nothing
             turned = a.exchange
         else:  # quadrants 1 and 3 change places with 2 and 4 at every mirror, x with y at exchange
             turned = a.exchange ^ a.mirror_x ^ a.mirror_y
         return f"{self.line_table}-exchanged" if turned else self.line_table
+
+    @property
+    def own_table(self) -> str:
+        """How lines are stepped in the controller's own frame: a name for `stepping_of`.
+
+        >>> from wedmcam.machines import builtin
+        >>> builtin("b3-compact").own_table, builtin("dem15").own_table
+        ('rotate', 'root-um')
+        """
+        if self.is_of("dem15"):
+            return f"{self.vectors.direction}-{self.vectors.positions}"
+        return self.line_table
 
     @property
     def stepping(self) -> Stepping:
@@ -301,15 +340,24 @@ class Machine:
 
     @property
     def move_um(self) -> int | None:
-        """|x| and |y| of one move between two cuts; None for any: G00 is no block that counts."""
-        return None if self.format == "iso" and self.iso.rapid else self.limits.line_um
+        """|x| and |y| of one move between two cuts; None for any: G00 is no block that counts.
+
+        Nor is a vector of the DEM-15 longer than the table, which the writer looks at.
+        """
+        free = self.is_of("dem15") or (self.is_of("iso") and self.iso.rapid)
+        return None if free else self.limits.line_um
 
     @property
     def own_stepping(self) -> Stepping:
         """Its interpolator in the controller's own frame, in which programs are written."""
         from wedmcam.controllers import stepping_of
 
-        return stepping_of(self.format, self.line_table)
+        return stepping_of(self.format, self.own_table)
+
+    @property
+    def counts_speed(self) -> bool:
+        """Whether ``count`` of a line is its cutting speed, and no count length."""
+        return self.is_of("dem15")
 
     def is_of(self, format_: str) -> bool:
         """Return whether its programs are in a format."""

@@ -14,10 +14,10 @@ from typing import Any, Literal
 from wedmcam.diag import Diagnostic, FileSpan, Span, TextSpan, error
 from wedmcam.diag.toml import read_toml
 from wedmcam.machines import around
-from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Words
+from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Vectors, Words
 from wedmcam.machines.vocabulary import CLASSES, Vocabulary, calls_in, wrong_words
 
-FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b")
+FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b", "dem15")
 #: Formats whose files are bytes of a memory.
 _BINARY = ("compact", "rotation", "compensation")
 _EOL = {"lf": "\n", "crlf": "\r\n", "cr": "\r"}
@@ -65,7 +65,9 @@ def _pair(value: list[Any]) -> bool:
 _B3 = ("3b", "4b")
 _ISO = ("iso",)
 _READABLE = (*_B3, *_ISO)
-_STEPPED = ("3b", "iso", "compact")
+_VECTORS = ("dem15",)
+_STEPPED = ("3b", "iso", "compact", *_VECTORS)
+_TABLES = tuple(f for f in FORMATS if f not in _VECTORS)
 _TEXT = _Key(str, "text of one line", lambda v: v != "" and "\n" not in v, required=True)
 _BLANKS = _Key(str, "blanks or nothing", _blanks, formats=_B3)
 _WORD = _Key(
@@ -82,13 +84,15 @@ _LINES = _Key(
     _lines,
     formats=_READABLE,
 )
+#: How far a step of the DEM-15 moves it, um.
+VECTOR_STEP_UM = 2.0
 _UM = 10**9  # a kilometre: larger than any table, and sums of it stay far inside 64 bits
 
 _SCHEMA: dict[str, dict[str, _Key]] = {
     "": {
         "title": _TEXT,
         "format": _choice(*FORMATS, required=True),
-        "line_table": _choice("mirror", "rotate", required=True),
+        "line_table": _choice("mirror", "rotate", required=True, formats=_TABLES),
         "count": _choice("exact", "textbook"),
         "writes": _Key(bool, "true or false", lambda v: True, formats=_ISO),
     },
@@ -162,6 +166,13 @@ _SCHEMA: dict[str, dict[str, _Key]] = {
         ),
         "feed_least_um": _whole(1, _UM, formats=_ISO),
         "between": _Key(str, "blanks or nothing", _blanks, formats=_ISO),
+    },
+    "vectors": {
+        "direction": _choice("root", "sines", formats=_VECTORS),
+        "positions": _choice("um", "steps", formats=_VECTORS),
+        "speed": _whole(1, 127, formats=_VECTORS),
+        "t_i": _whole(1, 255, formats=_VECTORS),
+        "t_p": _whole(1, 255, formats=_VECTORS),
     },
 }
 _TYPE_NAMES: dict[type, str] = {
@@ -433,6 +444,15 @@ def _contradictions(
                 source.at("axes", "step_um"),
             )
         )
+    if format_ in _VECTORS and tables["axes"].get("step_um") != VECTOR_STEP_UM:
+        findings.append(
+            error(
+                "profile-value",
+                "'axes.step_um' of this controller is {step_um:g}: a step of it is so many um",
+                source.at("axes", "step_um"),
+                step_um=VECTOR_STEP_UM,
+            )
+        )
     if format_ not in _ISO:
         return findings
     header, footer = (tables["layout"].get(key, []) for key in ("header", "footer"))
@@ -507,7 +527,7 @@ def _machine(
         layout["eol"] = _EOL[layout["eol"]]
     if "travel_um" in limits:
         limits["travel_um"] = tuple(limits["travel_um"])
-    table: Literal["mirror", "rotate"] = top["line_table"]
+    table: Literal["mirror", "rotate"] = top.get("line_table", "mirror")
     count: Literal["exact", "textbook"] = top.get("count", "exact")
     return Machine(
         name=name,
@@ -520,5 +540,6 @@ def _machine(
         layout=Layout(**layout),
         iso=Iso(**tables["iso"], words=vocabulary),
         axes=Axes(**tables["axes"]),
+        vectors=Vectors(**tables["vectors"]),
         writes=top.get("writes", True),
     )

@@ -10,10 +10,12 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from wedmcam.controllers.eindhoven.arithmetic import SPEED_UM_PER_S
 from wedmcam.reports.stair import MOST_STEPS, fits, stair
 
 if TYPE_CHECKING:
     from wedmcam.controllers import Stepping
+    from wedmcam.controllers.eindhoven.vectors import Vectors
     from wedmcam.ir.program import Program
     from wedmcam.machines import Machine
 
@@ -34,6 +36,7 @@ def _at(x: float, y: float) -> str:
 
 def explain_block(program: Program, machine: Machine, data: bytes, number: int) -> Iterator[str]:
     """Yield lines about block ``number`` (1-based) of a program read from ``data``."""
+    from wedmcam.controllers.eindhoven.vectors import Vectors
     from wedmcam.ir.program import Axis, Kind
     from wedmcam.programs.places import block_ends
 
@@ -53,7 +56,9 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
     x, y, turn = int(block["x"]), int(block["y"]), int(block["turn"])
     axis, count = Axis(int(block["axis"])), int(block["count"])
     stepping = machine.stepping
-    if kind == Kind.ARC:
+    if isinstance(stepping, Vectors):
+        yield from _vector(block, kind == Kind.MOVE, stepping, program.step_um)
+    elif kind == Kind.ARC:
         yield from _arc(x, y, turn, axis, count, start, end, program.step_um)
     else:
         yield from _line(x, y, axis, count, kind == Kind.MOVE, machine, program.step_um)
@@ -73,6 +78,30 @@ def _record(program: Program, row: int, data: bytes) -> str:
     if isinstance(span, ByteSpan):
         return f"{data[span.start : span.end].hex(' ')}  (bytes {span.start:#06x} on)"
     return "?"
+
+
+def _vector(block: Any, move: bool, stepping: Vectors, step_um: float) -> Iterator[str]:
+    """Tell what a controller of vectors computes for one: the speeds of its axes."""
+    import numpy as np
+
+    one = np.array([block])
+    x, y, speed = int(block["x"]), int(block["y"]), int(block["count"])
+    what = "move, generator off," if move else "vector"
+    heading = math.degrees(math.atan2(y, x)) % 360
+    way, length = _at(x * step_um, y * step_um), _mm(math.hypot(x, y) * step_um)
+    yield f"geometry   {what} along {way} mm, {length} mm at {heading:.3f} deg"
+    speeds = stepping.speeds(one)
+    vx, vy = int(speeds.x[0]) * (1 if x >= 0 else -1), int(speeds.y[0]) * (1 if y >= 0 else -1)
+    of = f" / {speeds.scale}" if speeds.scale > 1 else ""
+    run = math.degrees(math.atan2(vy, vx)) % 360
+    per_min = SPEED_UM_PER_S * 60 / 1000
+    yield (
+        f"speed      {speed} = {speed * per_min:.3f} mm a minute; POSCAL: x {vx}{of}, y {vy}{of}, "
+        f"{math.hypot(vx, vy) * per_min / speeds.scale:.3f} mm a minute at {run:.3f} deg"
+    )
+    beside = float(stepping.sideways(one)[0]) * step_um
+    yield f"sideways   {beside:.3f} um beside its line where the first axis arrives"
+    yield f"time       {float(stepping.seconds(one)[0]):.1f} s"
 
 
 def _line(

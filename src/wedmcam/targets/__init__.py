@@ -103,11 +103,13 @@ class Target(Protocol):
         """A machine whose programs state the path that this controller makes."""
         ...
 
-    def rules(self, count: str | None) -> Rules:
+    def rules(self, count: str | None, feed_um: float | None = None) -> Rules:
         """Return what lowering may emit.
 
         Args:
             count: "exact" or "textbook"; None for what the profile says.
+            feed_um: cutting speed, um a minute, where the path depends on it; None for the
+                profile's.
 
         Raises:
             WrongUse: the controller does not count so.
@@ -214,6 +216,7 @@ KINDS: dict[str, str] = {
     "rotation": "wedmcam.targets.rotation:Rotation",
     "compensation": "wedmcam.targets.compensation:Compensation",
     "4b": "wedmcam.targets.scaled:B4",
+    "dem15": "wedmcam.targets.vectors:Dem15",
 }
 
 

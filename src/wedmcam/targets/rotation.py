@@ -56,7 +56,7 @@ class Rotation(Memory):
 
         return default("compact")
 
-    def rules(self, count: str | None) -> Rules:
+    def rules(self, count: str | None, feed_um: float | None = None) -> Rules:
         """See `Target`; a radius of 10 m itself is one that the format holds."""
         rules = super().rules(count)
         return replace(rules, arc_um=rules.arc_um + 2)

@@ -119,7 +119,7 @@ class Stated:
         """How the inscribed square counts at a tie, seen from the drawing."""
         return Axis.SQUARE_X if self.machine.axes.exchange else Axis.SQUARE
 
-    def rules(self, count: str | None) -> Rules:
+    def rules(self, count: str | None, feed_um: float | None = None) -> Rules:
         """See `Target`."""
         from wedmcam.transforms.lower import Rules
 

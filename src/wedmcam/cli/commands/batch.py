@@ -18,7 +18,9 @@ from wedmcam.cli.settings import Configured
 @click.argument("inputs", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR", help="Folder of the programs.")
 @click.option(
-    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation, iso or 4b."
+    "--to",
+    metavar="FORMAT",
+    help="3b (default), compact, rotation, compensation, iso, 4b or dem15.",
 )
 @click.option("--jobs", type=click.IntRange(0, 256), default=0, help="Processes; 0: one a core.")
 @click.option("--force-units", is_flag=True, help="--units overrides what drawings say.")

@@ -13,7 +13,9 @@ from wedmcam.cli.settings import Configured
 @click.command("check", cls=Configured)
 @click.argument("input_", metavar="INPUT")
 @click.option(
-    "--to", metavar="FORMAT", help="3b (default), compact, rotation, compensation, iso or 4b."
+    "--to",
+    metavar="FORMAT",
+    help="3b (default), compact, rotation, compensation, iso, 4b or dem15.",
 )
 @click.option(
     "--plot", "plot_", metavar="FILE.svg|png|html", help="Draw the verified program there."

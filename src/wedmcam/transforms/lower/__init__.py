@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
+from wedmcam.controllers.eindhoven.vectors import Vectors
 from wedmcam.diag import Diagnostic, Place, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
-from wedmcam.transforms.lower import moves
+from wedmcam.transforms.lower import chords, moves
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
 from wedmcam.transforms.lower.layout import Layout, lay_out
 from wedmcam.transforms.lower.repair import best_chain
@@ -57,6 +58,9 @@ class Rules:
         textbook: J by geometry, for controllers that recompute the ends of arcs.
         move_um: largest |x| and |y| of a move between two cuts; None for any.
         step_um: how far a step moves the machine. The limits above count steps.
+        vectors: the controller runs vectors alone: this is it at its cutting speed; None for one
+            that runs lines and arcs.
+        moving: what runs the moves between two cuts; None for ``stepping``.
     """
 
     stepping: Stepping
@@ -68,6 +72,8 @@ class Rules:
     arc_um: int = 999_999
     textbook: bool = False
     step_um: float = 1.0
+    vectors: Vectors | None = None
+    moving: Stepping | None = None
 
     @property
     def per_mm(self) -> float:
@@ -146,6 +152,8 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     plan = in_steps(plan, rules.step_um)
     layout = lay_out(plan)
     s = _state(layout)
+    if rules.vectors is not None:
+        _cut_into_vectors(s, rules.vectors)
     findings += _chords_over_limit(s, layout, rules)
     _split_long_lines(s, rules)
     _split_nearly_closed(s)
@@ -270,10 +278,11 @@ def _sweeps(s: _State, rows: Ints) -> tuple[Floats, Floats]:
     return a0, np.where(a == b, TAU, sweep)
 
 
-def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> None:
+def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> NDArray[np.bool_]:
     """Split segments ``rows`` into ``pieces`` equal parts at points of the true segment.
 
-    Arcs stay arcs unless ``chords``. New vertices may move by a micron like any other.
+    Arcs stay arcs unless ``chords``. New vertices may move by a micron like any other. Returns
+    which segments are parts.
     """
     count = np.ones(len(s.v0), np.int64)
     count[rows] = pieces
@@ -304,6 +313,47 @@ def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> None:
         s.done[touched] = 2
     else:
         s.done[touched] = np.where(s.turn[touched] != 0, -1, 2)
+    return touched
+
+
+def _cut_into_vectors(s: _State, vectors: Vectors) -> None:
+    """Part all segments into vectors that the controller runs within the budget; no arc is left."""
+    _choose_points(s, np.arange(len(s.x)), vectors)
+    open_ = np.ones(len(s.v0), bool)
+    for _ in range(ROUNDS):
+        rows = np.flatnonzero(open_)
+        a, b = s.v0[rows], s.v1[rows]
+        _, sweep = _sweeps(s, rows)
+        ends = s.gx[a], s.gy[a], s.gx[b], s.gy[b]
+        needed = chords.pieces(_ideal(s, rows), sweep, ends, vectors)
+        more = needed > 1
+        if not more.any():
+            break
+        known = len(s.x)
+        open_ = _replace(s, rows[more], needed[more], chords=False)
+        _choose_points(s, np.arange(known, len(s.x)), vectors)
+    s.turn[:], s.done[:] = 0, 2
+
+
+def _choose_points(s: _State, vertices: Ints, vectors: Vectors) -> None:
+    """Choose places of the grid for some vertices; those that are pinned stay."""
+    free = vertices[~s.pinned[vertices]]
+    number = np.full(len(s.x), -1)
+    number[free] = np.arange(len(free))
+    rows = np.flatnonzero((number[s.v0] >= 0) | (number[s.v1] >= 0))
+    if not len(rows):
+        return
+    starts, ends = number[s.v0[rows]], number[s.v1[rows]]
+    some, others = np.flatnonzero(starts >= 0), np.flatnonzero(ends >= 0)
+    s.gx[free], s.gy[free] = chords.points(
+        _ideal(s, rows),
+        (some, starts[some]),
+        (others, ends[others]),
+        s.x[free],
+        s.y[free],
+        (s.gx[free], s.gy[free]),
+        vectors,
+    )
 
 
 def _chords_over_limit(s: _State, layout: Layout, rules: Rules) -> list[Diagnostic]:
@@ -561,6 +611,8 @@ def _blocks(
     arc = (s.turn != 0) & (s.done == 1)
     still = ~arc & (dx == 0) & (dy == 0)
     specks = still & (s.role == Role.CONTOUR) & (a != b)
+    if rules.vectors is not None:  # a part of a segment that met the part before it is none
+        specks &= np.hypot(s.x[b] - s.x[a], s.y[b] - s.y[a]) < 1.0
     if specks.any():
         findings.append(
             note(
@@ -610,7 +662,8 @@ def _blocks(
             if mx or my:
                 move = np.zeros(1, BLOCK)
                 move["kind"], move["x"], move["y"], move["source"] = Kind.MOVE, mx, my, -1
-                m_axis, m_count = rules.stepping.line_count(np.array([mx]), np.array([my]))
+                moving = rules.moving or rules.stepping
+                m_axis, m_count = moving.line_count(np.array([mx]), np.array([my]))
                 move["axis"], move["count"] = m_axis, m_count
                 parts += [move, _control(Kind.PAUSE)]
         for n, group in enumerate(layout.cut_groups[index]):

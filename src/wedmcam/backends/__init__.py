@@ -18,6 +18,7 @@ ENCODERS: dict[str, str] = {
     "compensation": "wedmcam.backends.zd065.compensation",
     "iso": "wedmcam.backends.iso",
     "4b": "wedmcam.backends.b4",
+    "nby15": "wedmcam.backends.nby15",
 }
 
 

@@ -17,6 +17,7 @@ DECODERS: dict[str, str] = {
     "compensation": "wedmcam.frontends.zd065.compensation",
     "iso": "wedmcam.frontends.iso",
     "4b": "wedmcam.frontends.b4",
+    "nby15": "wedmcam.frontends.nby15",
 }
 
 

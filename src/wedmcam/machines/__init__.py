@@ -26,6 +26,7 @@ DEFAULTS: dict[str, str] = {
     "compensation": "zd065-compensation",
     "iso": "iso-mm",
     "4b": "b4-compact",
+    "nby15": "nby15",
 }
 #: The profile it is read with, where that is another: an ISO program that is only shown is assumed
 #: to be in G91 and whole um where it says neither.

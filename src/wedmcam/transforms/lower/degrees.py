@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 ON_DEGREE_UM = 0.3
 #: A vertex this near to where the machine stands, um, needs no line of its own.
 THERE_UM = 0.8
+#: An arc that ends farther from its vertex, um, goes on to it: it may be a corner.
+CORNER_UM = 1.2
 #: What steps may stray beyond the sagitta of a degree stays this far below its limit, um.
 ROOM_UM = 0.03
 #: So many arcs are run step by step before a fraction is changed.
@@ -277,7 +279,8 @@ def _segment(tape: _Tape, layout: Layout, k: int, rules: Rules) -> list[Diagnost
         _arc(tape, circle, low, high, of)
     elif before > THERE_UM:
         tape.line(best_end(tape.at, to_grid(circle.at(low)), circle), of)
-    if behind > THERE_UM:
+    missed = float(np.hypot(*(tape.at - np.array([layout.x[v1], layout.y[v1]]))))
+    if behind > THERE_UM or (tape.goal is None and missed > CORNER_UM):
         tape.flush()
         tape.goal = (goal, of, circle)
     return []
@@ -333,7 +336,8 @@ def _arc(tape: _Tape, circle: Circle, low: int, high: int, of: _Of) -> None:
             _arc(tape, circle, middle, high, of)
             return
         start, r = whole[i], int(radii[j])
-        tape.set_fraction(sums[i], tape.at if goal is not None else start, of)
+        short = goal is None and np.hypot(*(start - tape.at)) <= 2.0
+        tape.set_fraction(sums[i], start if short else tape.at, of)
     if goal is not None:
         tape.goal = (start, goal[1], None)
         tape.flush()

@@ -7,7 +7,6 @@ is compiled for none of them; `verify --correct` runs it with what is set.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -15,10 +14,12 @@ from numpy.typing import NDArray
 
 from wedmcam.controllers.nby15.base_circle import arc_limit_um, sagitta_um
 from wedmcam.controllers.nby15.corrector import Correction, correction
-from wedmcam.controllers.nby15.data import TapeProgram
-from wedmcam.diag import Diagnostic, error, note
+from wedmcam.controllers.nby15.data import TapeProgram, radii
+from wedmcam.controllers.nby15.run_off import run_off
+from wedmcam.diag import Diagnostic, Place, Span, error, note, warning
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
+from wedmcam.machines import Machine
 from wedmcam.targets.entries import Entries
 from wedmcam.targets.stated import Stated
 
@@ -71,7 +72,38 @@ class Nby15(Stated):
         self, data: bytes, file: str, entries: Entries
     ) -> tuple[Program, Sequence[Diagnostic]]:
         """See `Target`."""
-        return self._decoded(data, file)
+        program, findings = self._decoded(data, file, switches=entries.switches)
+        if entries.switches.correct_um and isinstance(program, TapeProgram):
+            program, more = _corrected(program, entries, self.machine)
+            findings = [*findings, *more]
+        return program, findings
+
+    def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
+        """The switches."""
+        return Entries(switches=entries.switches, run_off=entries.run_off)
+
+    def write_carried(
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
+    ) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `Target`; arcs of another interpolator are none of whole degrees."""
+        arcs = np.flatnonzero(program.blocks["kind"] == Kind.ARC)
+        if not len(arcs):
+            return super().write_carried(program, entries, senses, feed_um)
+        source = int(program.blocks["source"][arcs[0]])
+        return None, [
+            error(
+                "not-in-format",
+                "{arcs} arcs: those of the tape are polygons of whole degrees, and step no other "
+                "controller's path",
+                program.sources[source] if 0 <= source < len(program.sources) else None,
+                hint="convert it to a drawing (-o FILE.dxf), and compile that --to nby15",
+                arcs=len(arcs),
+            )
+        ]
 
 
 def _coarse(program: TapeProgram) -> list[Diagnostic]:
@@ -107,6 +139,51 @@ _WHY = {
 }
 
 
+def _corrected(
+    program: TapeProgram, entries: Entries, machine: Machine
+) -> tuple[Program, list[Diagnostic]]:
+    """Return what the machine runs with its corrector set, and whether that is safe."""
+    correct, c = entries.switches.correct_um, correction(program.tape)
+    if abs(correct) <= c.most_um:
+        return program, []
+    row = c.block
+    span = None
+    if row is not None and (program.of == row).any():
+        span = program.spans[int(np.argmax(program.of == row))]
+    make = warning if entries.run_off else error
+    unsafe = make(
+        "radius-corrector",
+        "the corrector at {correct_um:+} um: " + _WHY[c.why],
+        span,
+        hint=None if entries.run_off else "--run-off shows what the machine does then",
+        correct_um=correct,
+        block=None if row is None else row + 1,
+        most_um=c.most_um,
+    )
+    findings = [unsafe]
+    travel = machine.limits.travel_um
+    gone = run_off(program.blocks, travel) if entries.run_off and travel is not None else None
+    if gone is None:
+        return program, findings
+    block = int(program.of[gone.row])
+    radius = int(radii(program.tape, entries.switches)[block])
+    findings.append(
+        error(
+            "limit-switch",
+            "block {block}, turned about R {radius_mm:.3f} mm, runs off: the limit switch of {axis} "
+            "opens at {place} from the start, after {steps} steps",
+            program.spans[gone.row],
+            points_mm=(Place.of_um(gone.x, gone.y),),
+            block=block + 1,
+            radius_mm=radius / 1000,
+            axis=f"{'+' if gone.sign > 0 else '-'}{gone.axis}",
+            place=Place.of_um(gone.x, gone.y),
+            steps=gone.steps,
+        )
+    )
+    return program, findings
+
+
 def _correctable(program: TapeProgram) -> list[Diagnostic]:
     """Return a note of the largest value that the corrector may have."""
     c: Correction = correction(program.tape)
@@ -124,6 +201,6 @@ def _correctable(program: TapeProgram) -> list[Diagnostic]:
     ]
 
 
-def _source(program: TapeProgram, row: int):  # type: ignore[no-untyped-def]
+def _source(program: TapeProgram, row: int) -> Span | None:
     source = int(program.tape["source"][row])
     return program.sources[source] if 0 <= source < len(program.sources) else None

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from wedmcam.options import options_in_mm
     from wedmcam.programs.places import block_ends as positions
     from wedmcam.programs.places import minutes
+    from wedmcam.reports.picture.tape import tape_picture as plot_tape
     from wedmcam.reports.plot import path_drawing, plot, plot_html
 
 __all__ = [
@@ -62,6 +63,7 @@ __all__ = [
     "planned_for",
     "plot",
     "plot_html",
+    "plot_tape",
     "positions",
     "read_memory",
     "read_program",
@@ -102,6 +104,7 @@ _RENAMED = {
     "positions": ("wedmcam.programs.places", "block_ends"),
     "read_memory": ("wedmcam.operations.memory", "read_image"),
     "recognise_memory": ("wedmcam.operations.memory", "recognise"),
+    "plot_tape": ("wedmcam.reports.picture.tape", "tape_picture"),
     "show_memory": ("wedmcam.operations.memory", "show"),
 }
 _ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}

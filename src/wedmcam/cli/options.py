@@ -355,10 +355,18 @@ def entered_in(params: dict[str, Any]) -> Entries:
     """
     from wedmcam.targets.entries import entered_of
 
-    names = ("copies", "angle", "lead_in", "lead_out", "open_loop")
-    switches = ("correct_um", "scale", "mirror_axes", "run_off")
-    stated = [params.pop(name) for name in (*names, *switches)]
-    return entered_of(*stated[:6], int(stated[6]), *stated[7:])
+    def of(*names: str) -> list[Any]:
+        return [params.pop(name) for name in names]
+
+    correct, scale, mirror, run_off = of("correct_um", "scale", "mirror_axes", "run_off")
+    return entered_of(
+        *of("copies", "angle", "lead_in", "lead_out"),
+        open_loop=params.pop("open_loop"),
+        correct_um=correct,
+        scale=int(scale),
+        mirror_axes=mirror,
+        run_off=run_off,
+    )
 
 
 def check_source(name: str, from_: str | None) -> None:

@@ -50,6 +50,11 @@ def without_parity(data: bytes) -> bytes:
     return (np.frombuffer(data, np.uint8) & 0x7F).astype(np.uint8).tobytes()
 
 
+def readable(data: bytes) -> bytes:
+    """Return the characters of rows without blank and rubbed-out ones."""
+    return without_parity(bytes(b for b in data if b not in (BLANK, RUB_OUT)))
+
+
 def name_of(row: int) -> str:
     """Return what a row says, for people.
 

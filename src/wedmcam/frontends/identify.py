@@ -113,7 +113,7 @@ def _tape(data: bytes) -> Identification | None:
     wrong = len(tape.odd_rows(data))
     if wrong * 8 > len(data.strip(b"\0")) or not max(data) & 0x80:
         return None
-    text = tape.without_parity(data.replace(b"\xff", b"")).replace(b"\0", b"").decode("ascii")
+    text = tape.readable(data).decode("ascii")
     _, start, body = text.partition(tape.REWIND_STOP)
     lines = [bare for line in body.split("\n") if (bare := "".join(line.split()))]
     blocks = [line for line in lines if nby15.BLOCK.fullmatch(line)]

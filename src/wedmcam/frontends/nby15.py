@@ -7,6 +7,7 @@ one of the file, and the line and the column of the text behind the leader's ``%
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -178,9 +179,9 @@ def _parity(data: bytes, file: str) -> list[Diagnostic]:
     ]
 
 
-def _fields(found: object) -> tuple[int, ...]:
+def _fields(found: re.Match[str]) -> tuple[int, ...]:
     """Return kind, turn, x, y, start, degrees and radius of a block."""
-    word = found.__getitem__  # type: ignore[attr-defined]
+    word = found.__getitem__
     if word("m") is not None:
         return (_CONTROLS[word("m")[-1]], 0, 0, 0, 0, 0, 0)
     if word("line") is not None:
@@ -192,7 +193,8 @@ def _fields(found: object) -> tuple[int, ...]:
 
 def _limits(blocks: _Blocks, machine: Machine) -> list[Diagnostic]:
     """Return errors on angles that are none, radii that are too large, and lines without a way."""
-    t, findings = blocks.table(), []
+    t = blocks.table()
+    findings: list[Diagnostic] = []
     arc, most = t["kind"] == Kind.ARC, machine.limits.arc_um
     line = (t["kind"] == Kind.LINE) | (t["kind"] == Kind.MOVE)
     mm = mm_of(machine.axes.step_um)

@@ -127,9 +127,7 @@ def _why(t: NDArray[np.void], row: int) -> str:
     lines = [k for k in (row - 1, row) if 0 <= k < len(t) and t["kind"][k] == Kind.LINE]
     radius = int(t["radius"].max())
     for k in lines:
-        beside_arc = any(
-            0 <= j < len(t) and t["kind"][j] == Kind.ARC for j in (k - 1, k + 1)
-        )
+        beside_arc = any(0 <= j < len(t) and t["kind"][j] == Kind.ARC for j in (k - 1, k + 1))
         if beside_arc and np.hypot(t["x"][k], t["y"][k]) <= 0.0182 * radius + 2:
             return "fraction"
     return "corner"

@@ -78,7 +78,7 @@ class TapeProgram(Program):
     of: Ints = None  # type: ignore[assignment]
 
 
-def radii(tape: NDArray[np.void], switches: Switches = Switches()) -> Ints:  # noqa: B008
+def radii(tape: NDArray[np.void], switches: Switches = Switches()) -> Ints:
     """Return the radius that the controller turns each arc about, um: corrected, wrapped, scaled."""
     corrected = tape["radius"] + tape["turn"].astype(np.int64) * switches.correct_um
     return np.where(tape["kind"] == Kind.ARC, np.mod(corrected, WRAP_UM), 0) * switches.scale
@@ -86,7 +86,7 @@ def radii(tape: NDArray[np.void], switches: Switches = Switches()) -> Ints:  # n
 
 def lines_of(
     tape: NDArray[np.void],
-    switches: Switches = Switches(),  # noqa: B008
+    switches: Switches = Switches(),
 ) -> tuple[NDArray[np.void], Ints]:
     """Return the lines that the controller makes of a tape, and the row of the tape of each.
 
@@ -130,7 +130,7 @@ def program_of(
     origin: tuple[int, int] = (0, 0),
     sources: tuple[Any, ...] = (),
     spans: Sequence[Any] = (),
-    switches: Switches = Switches(),  # noqa: B008
+    switches: Switches = Switches(),
 ) -> TapeProgram:
     """Return the program that a tape is, with the tape.
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wedmcam.controllers.nby15.base_circle import (
     HALF,
@@ -73,7 +72,7 @@ class Circle(NamedTuple):
         angle = np.radians(self.turn * degree)
         return self.centre + self.radius * np.array([np.cos(angle), np.sin(angle)])
 
-    def off(self, places: Floats) -> Floats:
+    def off(self, places: Floats | Ints) -> Floats:
         """Return how far outside it places are, um."""
         away = places - self.centre
         return np.asarray(np.hypot(away[..., 0], away[..., 1]) - self.radius)
@@ -247,7 +246,7 @@ def _vertex(layout: Layout, v: int) -> Ints:
 
 
 def _segment(tape: _Tape, layout: Layout, k: int, rules: Rules) -> list[Diagnostic]:
-    """Run one segment; a line that ends it may stay a goal, which an arc behind it moves by a um."""
+    """Run one segment; a line that ends it may stay a goal, which the next arc moves by a um."""
     v0, v1, of, turn = layout.v0[k], layout.v1[k], _of(layout, k), layout.turn[k]
     goal = _vertex(layout, v1)
     if turn == 0:
@@ -256,9 +255,7 @@ def _segment(tape: _Tape, layout: Layout, k: int, rules: Rules) -> list[Diagnost
         return []
     radius = layout.radius[k]
     circle = Circle(np.array([layout.cx[k], layout.cy[k]]), radius, turn)
-    (bx, by), (ex, ey) = (
-        np.array([layout.x[v], layout.y[v]]) - circle.centre for v in (v0, v1)
-    )
+    (bx, by), (ex, ey) = (np.array([layout.x[v], layout.y[v]]) - circle.centre for v in (v0, v1))
     # Angles along the sense of the arc: whole degrees are whole there too.
     begin = turn * float(np.degrees(np.arctan2(by, bx)))
     sweep = (turn * float(np.degrees(np.arctan2(ey, ex))) - begin) % 360.0

@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     from wedmcam.transforms.lower import Rules
 
 
-def short_marks(
-    gx: Ints, gy: Ints, layout: Layout, plan: Plan, rules: Rules
-) -> list[Diagnostic]:
+def short_marks(gx: Ints, gy: Ints, layout: Layout, plan: Plan, rules: Rules) -> list[Diagnostic]:
     """Return errors where a stop or an overcut begins and ends on one step: it would be none.
 
     ``gx``, ``gy``: the step that each vertex is on.

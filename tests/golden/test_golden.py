@@ -33,6 +33,8 @@ CASES = [
     ),
     ("gear-24", ".textbook.3b", {"offset": 0.1, "count": "textbook"}),
     ("plate", ".4b", {"offset": 0.1, "corner": 0.3, "ignore_layers": ["START"]}),
+    ("key-punch", ".n15", {"offset": 0.1}),
+    ("cover", ".n15", {"offset": 0.1}),
     ("cam", ".die.4b", {"offset": 0.1, "corner": 0.3, "side": "die", "ignore_layers": ["START"]}),
 ]
 PROFILES = {
@@ -47,7 +49,7 @@ PROFILES = {
 
 def compiled(drawing, ending, options, profile=None):
     data = (SAMPLES / f"{drawing}.dxf").read_bytes()
-    to = {".zd": "compact", ".nc": "iso", ".4b": "4b"}.get(ending[-3:], "3b")
+    to = {".zd": "compact", ".nc": "iso", ".4b": "4b", "n15": "nby15"}.get(ending[-3:], "3b")
     made = api.compile(data, to=to, name=drawing, profile=profile, **options)
     assert made.ok, [d.message for d in made.findings]
     return made

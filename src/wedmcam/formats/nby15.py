@@ -5,7 +5,8 @@ centre line; it does not give the block, so this one is ours:
 
     G01 X Y        a line, um, signed; a word that is 0 may be left out
     G00 X Y        the same with the wire out: from thread point to thread point
-    G02 A B R      an arc clockwise, G03 counter-clockwise: from degree A over B degrees, radius R um
+    G02 A B R      an arc clockwise, from degree A over B degrees, radius R um
+    G03 A B R      the same counter-clockwise
     M00            the machine waits        M02   the end
 
 N numbers the blocks from 1 on, one by one: a block that is missing is found.

@@ -239,11 +239,11 @@ def _limits(blocks: _Blocks, machine: Machine) -> list[Diagnostic]:
 
 
 def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:
-    """Return what each arc of the tape states, for people, by line:column.
+    r"""Return what each arc of the tape states, for people, by line:column.
 
     >>> from wedmcam.formats.tape import punched
     >>> from wedmcam.machines import default
-    >>> describe_blocks(punched("G03A0B360R10000\\nM02\\n"), default("nby15"))
+    >>> describe_blocks(punched("G03A0B360R10000\nM02\n"), default("nby15"))
     {'2:1': 'counter-clockwise from degree 0 over 360, R 10.000 mm'}
     """
     blocks, _ = _read(data, machine, "")

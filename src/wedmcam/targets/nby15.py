@@ -170,8 +170,8 @@ def _corrected(
     findings.append(
         error(
             "limit-switch",
-            "block {block}, turned about R {radius_mm:.3f} mm, runs off: the limit switch of {axis} "
-            "opens at {place} from the start, after {steps} steps",
+            "block {block}, turned about R {radius_mm:.3f} mm, runs off: the limit switch of "
+            "{axis} opens at {place} from the start, after {steps} steps",
             program.spans[gone.row],
             points_mm=(Place.of_um(gone.x, gone.y),),
             block=block + 1,

@@ -64,7 +64,8 @@ def _plot_tape(data: bytes, name: str, output: str) -> int:
 def _is_tape(data: bytes) -> bool:
     from wedmcam.frontends.identify import identify
 
-    return identify(data).format == "nby15"
+    seen = identify(data)
+    return seen.format == "nby15"
 
 
 def _is_program(data: bytes) -> bool:

@@ -85,7 +85,7 @@ FINE_UM = 60_000.0
 
 
 def arc_limit_um(radius: Any) -> Any:
-    """Return what the path of an arc is held to, um: its sagitta, and 1.5 um or 2 um beyond R 60 mm.
+    """Return what the path of an arc is held to, um: its sagitta + 1.5, beyond R 60 mm + 2.
 
     >>> [round(float(arc_limit_um(r)), 2) for r in (1000.0, 60_000.0, 300_000.0)]
     [1.54, 3.78, 13.42]

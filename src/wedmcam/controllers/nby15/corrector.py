@@ -1,8 +1,8 @@
 """The radius corrector: which tapes may be corrected, and by how much.
 
-It changes the radius of every arc and nothing else [S]. The path then moves sideways as a whole only
-where every block joins the next tangentially [S]: an arc that ends at degree k shifts the wire along
-the normal at k, a line leaves it there, and the next arc has to begin at that very normal. So
+It changes the radius of every arc and nothing else [S]. The path then moves sideways as a whole
+only where every block joins the next tangentially [S]: an arc that ends at degree k shifts the wire
+along the normal at k, a line leaves it there, and the next arc has to begin at that very normal. So
 fractions of a degree made as short lines break it, and programs of whole degrees alone may be
 corrected [R]. The largest value that is safe is the smallest radius of the profile [S].
 """

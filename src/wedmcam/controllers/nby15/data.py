@@ -79,7 +79,7 @@ class TapeProgram(Program):
 
 
 def radii(tape: NDArray[np.void], switches: Switches = Switches()) -> Ints:
-    """Return the radius that the controller turns each arc about, um: corrected, wrapped, scaled."""
+    """Return the radius that each arc is turned about, um: corrected, wrapped, scaled."""
     corrected = tape["radius"] + tape["turn"].astype(np.int64) * switches.correct_um
     return np.where(tape["kind"] == Kind.ARC, np.mod(corrected, WRAP_UM), 0) * switches.scale
 

@@ -523,7 +523,6 @@ def _blocks(
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program: blocks of all groups, with the control records between them."""
     findings: list[Diagnostic] = []
-    per = rules.per_mm
     a, b = s.v0, s.v1
     dx, dy = s.gx[b] - s.gx[a], s.gy[b] - s.gy[a]
     arc = (s.turn != 0) & (s.done == 1)

@@ -1,11 +1,11 @@
 """Lowering for a controller that turns whole degrees: arcs of its base circle, short lines between.
 
-An arc begins where a whole degree is and ends where one is; what lies before and behind is a line
-shorter than a degree. The machine keeps the fraction of a um that a degree leaves, across blocks; so
-a tape is made in order, every arc is tried with the residues that the machine will have, and begins
-at that um near its true place, and with that whole radius, from which its steps stray little. Where
-no um will do, the fraction is brought to one that does, by a degree of a circle of some um that
-hardly moves the machine; else the arc is parted and goes on from a better um.
+An arc begins and ends where a whole degree is; what lies before and behind is a line shorter than
+a degree. The machine keeps the fraction of a um that a degree leaves, across blocks; so a tape is
+made in order, every arc is tried with the residues that the machine will have, and begins at that
+um near its true place, and with that whole radius, from which its steps stray little. Where no um
+will do, the fraction is brought to one that does, by a degree of a circle of some um that hardly
+moves the machine; else the arc is parted and goes on from a better um.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ END_COST = 0.1
 #: Sagitta of the chords of an arc whose radius the format does not hold, um.
 CHORD_SAG_UM = 0.3
 _NEAR = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)], np.int64)
-#: Fractions of a um beside the true place from which an arc is tried, when none of whole um will do.
+#: Fractions of a um beside the true place from which an arc is tried, when no whole um will do.
 _FRACTIONS = np.array([(i, j) for i in (-2, -1, 0, 1, 2) for j in (-2, -1, 0, 1, 2)]) * 0.2
 #: Where along a side of the polygon its distance from the circle is taken.
 _ALONG = np.array([0.0, 0.25, 0.5, 0.75, 1.0])

@@ -174,7 +174,7 @@ def _parity(data: bytes, file: str) -> list[Diagnostic]:
             },
             "a text without parity is no tape: was the file changed in an editor?"
             if many
-            else "punch the tape again; rub out a row (all holes) and the block stays wrong",
+            else "punch the tape again",
         )
     ]
 

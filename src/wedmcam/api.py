@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from wedmcam.programs.places import block_ends as positions
     from wedmcam.programs.places import minutes
     from wedmcam.reports.picture.simulation import plot_run, plot_run_html
+    from wedmcam.reports.picture.tape import tape_picture as plot_tape
     from wedmcam.reports.plot import path_drawing, plot, plot_html
     from wedmcam.reports.pulses import pulse_lines
 
@@ -68,6 +69,7 @@ __all__ = [
     "plot_html",
     "plot_run",
     "plot_run_html",
+    "plot_tape",
     "positions",
     "pulse_lines",
     "read_memory",
@@ -113,6 +115,7 @@ _RENAMED = {
     "positions": ("wedmcam.programs.places", "block_ends"),
     "read_memory": ("wedmcam.operations.memory", "read_image"),
     "recognise_memory": ("wedmcam.operations.memory", "recognise"),
+    "plot_tape": ("wedmcam.reports.picture.tape", "tape_picture"),
     "show_memory": ("wedmcam.operations.memory", "show"),
 }
 _ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}

@@ -33,6 +33,8 @@ CASES = [
     ),
     ("gear-24", ".textbook.3b", {"offset": 0.1, "count": "textbook"}),
     ("plate", ".4b", {"offset": 0.1, "corner": 0.3, "ignore_layers": ["START"]}),
+    ("key-punch", ".n15", {"offset": 0.1}),
+    ("cover", ".n15", {"offset": 0.1}),
     ("cam", ".die.4b", {"offset": 0.1, "corner": 0.3, "side": "die", "ignore_layers": ["START"]}),
     ("key-punch", ".d15", {"offset": 0.1, "feed": 1.0}),
     ("gear-24", ".d15", {"offset": 0.1, "feed": 2.0}),
@@ -49,7 +51,8 @@ PROFILES = {
 
 def compiled(drawing, ending, options, profile=None):
     data = (SAMPLES / f"{drawing}.dxf").read_bytes()
-    to = {".zd": "compact", ".nc": "iso", ".4b": "4b", "d15": "dem15"}.get(ending[-3:], "3b")
+    formats = {".zd": "compact", ".nc": "iso", ".4b": "4b", "d15": "dem15", "n15": "nby15"}
+    to = formats.get(ending[-3:], "3b")
     made = api.compile(data, to=to, name=drawing, profile=profile, **options)
     assert made.ok, [d.message for d in made.findings]
     return made

@@ -19,6 +19,7 @@ ENCODERS: dict[str, str] = {
     "iso": "wedmcam.backends.iso",
     "4b": "wedmcam.backends.b4",
     "dem15": "wedmcam.backends.dem15",
+    "nby15": "wedmcam.backends.nby15",
 }
 
 

@@ -116,6 +116,31 @@ turning_options = _stack(
         is_flag=True,
         help="The ZD-065 processes such data literally: roundings add up from block to block.",
     ),
+    click.option(
+        "--correct",
+        "correct_um",
+        type=int,
+        default=0,
+        metavar="UM",
+        help="Radius corrector of the NBY-15, whole um; above 0 the path moves to its right.",
+    ),
+    click.option(
+        "--scale",
+        type=click.Choice(["1", "2", "5", "10"]),
+        default="1",
+        help="Scale switch of the NBY-15.",
+    ),
+    click.option(
+        "--mirror-axes",
+        type=click.Choice(["", "x", "y", "xy"]),
+        default="",
+        help="Direction switches of the NBY-15.",
+    ),
+    click.option(
+        "--run-off",
+        is_flag=True,
+        help="Run what the corrector is not safe for all the same, into the limit switches.",
+    ),
 )
 reading_options = _stack(
     click.option("--profile-in", metavar="NAME|FILE", help="Profile of the program that is read."),
@@ -330,8 +355,22 @@ def entered_in(params: dict[str, Any]) -> Entries:
     """
     from wedmcam.targets.entries import entered_of
 
-    names = ("copies", "angle", "lead_in", "lead_out", "open_loop")
-    return entered_of(*(params.pop(name) for name in names))
+    def of(*names: str) -> list[Any]:
+        return [params.pop(name) for name in names]
+
+    correct, scale, mirror, run_off = of("correct_um", "scale", "mirror_axes", "run_off")
+    copies, angle, lead_in, lead_out = of("copies", "angle", "lead_in", "lead_out")
+    return entered_of(
+        copies,
+        angle,
+        lead_in,
+        lead_out,
+        open_loop=params.pop("open_loop"),
+        correct_um=correct,
+        scale=int(scale),
+        mirror_axes=mirror,
+        run_off=run_off,
+    )
 
 
 def check_source(name: str, from_: str | None) -> None:

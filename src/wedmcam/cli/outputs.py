@@ -112,7 +112,11 @@ def picture(of: Compilation | Inspection | Proof, title: str, name: str) -> byte
     """Return the picture as the bytes of the format that its name tells."""
     if Path(name).suffix.lower() == ".html":
         return api.plot_html(of, title).encode("utf-8")
-    svg = api.plot(of, title)
+    return picture_bytes(api.plot(of, title), name)
+
+
+def picture_bytes(svg: str, name: str) -> bytes:
+    """Return a picture as SVG or as PNG, as its name tells."""
     if Path(name).suffix.lower() != ".png":
         return svg.encode("utf-8")
     import resvg_py  # a large library, for PNG alone

@@ -74,12 +74,9 @@ def write_program(
     plan: Plan, target: Target, options: Options, run: Run
 ) -> tuple[Entries, Program, bytes]:
     """Write the program of a plan: what the operator enters, the lowered program, its bytes."""
-    from wedmcam.transforms.lower import lower
-
     refused = target.refuses_written
     entries = run("enter", (target.entries(plan), () if refused is None else (refused,)))
-    rules = target.rules(options.judging.count, options.operator.feed_um)
-    lowered = run("lower", lower(plan, rules))
+    lowered = run("lower", target.lower(plan, options.judging.count, options.operator.feed_um))
     if plan.others is not None:
         load = stretch(lowered, *plan.others.rows, plan.others.start)
         lowered = run("lower", (load, ()))
@@ -149,7 +146,12 @@ def judge_program(
         limits=machine.limits,
         free_moves=machine.move_um is None,
         count="textbook" if textbook else "exact",
-        terms=Terms(strict_order=strict_order, trimmed=options.cutting.trim, fitted=fitted),
+        terms=Terms(
+            strict_order=strict_order,
+            trimmed=options.cutting.trim,
+            fitted=fitted,
+            arc_limit_um=target.arc_limit_um,
+        ),
     )
     if others is None:
         return verdict, findings

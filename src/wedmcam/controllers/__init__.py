@@ -15,7 +15,7 @@ from wedmcam.controllers.stepping import ArcEnd, Motion, Step, Stepping
 #: Format of programs -> "module:class" of the interpolator that runs them, made of the name of how
 #: lines are stepped; named and not imported, so that starting costs nothing.
 STEPPINGS: dict[str, str] = dict.fromkeys(
-    ("3b", "4b", "iso", "compact", "rotation", "compensation"),
+    ("3b", "4b", "iso", "compact", "rotation", "compensation", "nby15"),
     "wedmcam.controllers.pointwise:of_table",
 ) | {"dem15": "wedmcam.controllers.eindhoven.vectors:of_table"}
 

@@ -1185,6 +1185,46 @@ CODES: dict[str, Code] = {
         "A fault of one quadrant or sense, in the compiler or in the profile.",
         "Do not use the program; compare both images with wedmcam plot.",
     ),
+    # --- tape of the NBY-15 ----------------------------------------------------------------
+    "tape-parity": Code(
+        "A row of a punched tape has an odd number of holes.",
+        "A hole is missing or torn, or was read where there is none: the block would say another "
+        "number. The reader of the machine stops with TAPE.",
+        "Punch the tape again; rows are counted from the first one of the file.",
+    ),
+    "tape-start": Code(
+        "A tape has no %, or characters in front of it.",
+        "The reader begins behind the first %; what stands in front of it is never run.",
+        "Punch the tape again; look whether its beginning was cut off.",
+    ),
+    "tape-block": Code(
+        "A line of a tape that is no block.",
+        "What it would move is not known, and everything behind it would lie elsewhere.",
+        "Write G01 X Y, G02 or G03 A B R, G00 X Y, M00 or M02, one block a line.",
+    ),
+    "tape-sequence": Code(
+        "The N numbers of a tape do not follow one another.",
+        "A block is missing, stands twice or elsewhere: all coordinates are incremental, so "
+        "everything behind it would be cut beside its place.",
+        "Compile again, and punch the whole tape.",
+    ),
+    "degree-polygons": Code(
+        "The controller makes arcs of straight moves, one a degree.",
+        "A large arc is cut flatter than drawn, inside its circle, by the figure given.",
+        "Nothing, where the figure will do; else a controller with an interpolator for arcs.",
+    ),
+    "radius-corrector": Code(
+        "How far the radius corrector of the NBY-15 may be turned with this tape.",
+        "It changes the radius of every arc and nothing else: where blocks do not join "
+        "tangentially, or beyond the smallest radius, the path tears, or the machine runs off on a "
+        "huge radius.",
+        "Keep within the value; for more, compile with another --offset.",
+    ),
+    "limit-switch": Code(
+        "The simulated machine ran into a limit switch.",
+        "The wire leaves the part, and cuts what is in its way.",
+        "Set the radius corrector to no more than is safe for the tape.",
+    ),
     # --- files and the command line --------------------------------------------------------
     "certificate-differs": Code(
         "A certificate says something else than is found now.",

@@ -15,9 +15,10 @@ FORMAT_OF_SUFFIX = {
     ".gcode": "iso",
     ".iso": "iso",
     ".eia": "iso",
+    ".n15": "nby15",
 }
 SUFFIX_OF_FORMAT: dict[str, str] = {}
 for _ending, _format in FORMAT_OF_SUFFIX.items():
     SUFFIX_OF_FORMAT.setdefault(_format, _ending)
-PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b", "dem15")
+PROGRAM_FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b", "dem15", "nby15")
 SOURCE_FORMATS = ("dxf", "wed")

@@ -18,6 +18,7 @@ DECODERS: dict[str, str] = {
     "iso": "wedmcam.frontends.iso",
     "4b": "wedmcam.frontends.b4",
     "dem15": "wedmcam.frontends.dem15",
+    "nby15": "wedmcam.frontends.nby15",
 }
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.formats import b4, compact, compensation, rotation
+from wedmcam.formats import b4, compact, compensation, nby15, rotation, tape
 from wedmcam.frontends.b3.records import find_records
 from wedmcam.frontends.iso.offsets import tables_of
 from wedmcam.frontends.iso.style import lines_end, style_of
@@ -87,6 +87,8 @@ def identify(data: bytes) -> Identification:
         return Identification("dxf", 0, None, None, True, "DXF drawing")
     if is_part(data):
         return Identification("wed", 0, None, None, True, "program of the part language")
+    if (punched := _tape(data)) is not None:
+        return punched
     codes = plain(data).codes
     if (jobs := _jobs(codes)) is not None:
         return jobs
@@ -124,6 +126,27 @@ def _jobs(codes: bytes) -> Identification | None:
     unit = {b"UM": "um", b"STEPS": "steps"}.get(begin[1], "an unknown unit")
     reason = f"job records of the DEM-15: {count} {words}, positions in {unit}"
     return Identification("dem15", count, last, None, begin[1] is not None, reason)
+
+
+def _tape(data: bytes) -> Identification | None:
+    """Return what a punched tape is, or None: seven rows in eight have even parity, and words."""
+    wrong = len(tape.odd_rows(data))
+    if wrong * 8 > len(data.strip(b"\0")) or not max(data) & 0x80:
+        return None
+    text = tape.readable(data).decode("ascii")
+    _, start, body = text.partition(tape.REWIND_STOP)
+    lines = [bare for line in body.split("\n") if (bare := "".join(line.split()))]
+    blocks = [line for line in lines if nby15.BLOCK.fullmatch(line)]
+    if not start or not blocks or len(blocks) * 10 < len(lines) * 9:
+        return None
+    cuts = sum("G" in line for line in blocks)
+    words = "block" if cuts == 1 else "blocks"
+    reason = f"punched tape of the NBY-15: {len(data)} rows, {cuts} {words}"
+    if wrong:
+        reason += f"; {wrong} rows have an odd number of holes"
+    last = len(data.rstrip(b"\0\xff")) - 1
+    bad = int(tape.odd_rows(data)[0]) if wrong else None
+    return Identification("nby15", cuts, last, bad, not wrong, reason)
 
 
 #: A line of ISO words: letters and numbers, an optional slash first, nothing else.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -41,7 +42,7 @@ def verdict_of(
         extents_um=_extents(f.survey.extents, f.way.end[f.index]),
         cuts=rows,
         make_table=cache(lambda: _table(f)),
-        **_totals(f.program, f.plan, f.terms, f.way),
+        **_totals(f.program, f.plan, replace(f.terms, path_limit_um=f.widest), f.way),
     )
 
 

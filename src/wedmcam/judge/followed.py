@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,9 @@ class Terms:
         strict_order: False proves the part only: order, sense, start and leads may differ from the
             plan's and are notes.
         fitted: where the program starts is not known, but was fitted.
+        arc_limit_um: of a machine whose arcs are coarser or finer than ``path_limit_um`` by design:
+            the limit along an arc of the route by its radius, um, on steps of 1 um; None for the
+            same limit everywhere. The wire may enter the kept material by 0.1 um more than that.
     """
 
     path_limit_um: float = 2.0
@@ -42,7 +45,11 @@ class Terms:
     trimmed: bool = False
     strict_order: bool = True
     fitted: bool = False
+    arc_limit_um: Callable[[Floats], Floats] | None = None
 
+
+#: How much deeper than the path may be off the wire may be in the kept material, um.
+GOUGE_MORE_UM = 0.1
 
 #: What a program is held to that was compiled here.
 OURS = Terms()
@@ -82,6 +89,7 @@ class Followed:
         held: the material.
         survey: the extremes of all rows, the first material being kept.
         deviation: of each row from the route; NaN where it was lost.
+        limit: for each row, how far it may be.
     """
 
     program: Program
@@ -102,6 +110,12 @@ class Followed:
     held: list[Held]
     survey: Survey
     deviation: Floats
+    limit: Floats
+
+    @property
+    def widest(self) -> float:
+        """The largest limit of a row, steps."""
+        return float(self.limit.max(initial=self.terms.path_limit_um))
 
     @property
     def per(self) -> float:
@@ -125,7 +139,15 @@ class Followed:
     def survey_with(self, kept: Kept | None) -> Survey:
         """Return the extremes of all rows with a piece of material being kept."""
         return _survey(
-            self.way, self.index, self.track, self.done, self.lead, self.route, kept, self.terms
+            self.way,
+            self.index,
+            self.track,
+            self.done,
+            self.lead,
+            self.route,
+            kept,
+            self.limit,
+            self.terms,
         )
 
 
@@ -168,7 +190,11 @@ def follow(
     role = _roles(route, t)
     lead = np.zeros(len(index), bool)
     lead[done] = (role[done] == Role.LEAD_IN) | (role[done] == Role.LEAD_OUT)
-    m = _survey(way, index, t, done, lead, route, held[0].kept if held else None, terms)
+    limit = _limits(route, t, done, terms)
+    if terms.arc_limit_um is not None:
+        deep = max(terms.gouge_limit_um, float(limit.max(initial=0.0)) + GOUGE_MORE_UM)
+        terms = replace(terms, gouge_limit_um=deep)
+    m = _survey(way, index, t, done, lead, route, held[0].kept if held else None, limit, terms)
     deviation = np.full(len(index), np.nan)
     deviation[done] = m.deviation
     first = np.searchsorted(cut_of, np.arange(len(assigned) + 1))
@@ -192,6 +218,7 @@ def follow(
             held=held,
             survey=m,
             deviation=deviation,
+            limit=limit,
         ),
         findings,
     )
@@ -205,6 +232,7 @@ def _survey(
     lead: Bools,
     route: Route,
     kept: Kept | None,
+    limit: Floats,
     terms: Terms,
 ) -> Survey:
     return survey(
@@ -215,9 +243,23 @@ def _survey(
         lead[done],
         route,
         kept,
-        terms.path_limit_um,
+        limit[done],
         terms.gouge_limit_um,
     )
+
+
+def _limits(route: Route, t: Track, done: Bools, terms: Terms) -> Floats:
+    """Return for each row how far it may be from the route: the most of what it runs along."""
+    limit = np.full(len(t.high), terms.path_limit_um)
+    if terms.arc_limit_um is None:
+        return limit
+    s = route.segments
+    of = np.where(s.turn != 0, terms.arc_limit_um(s.radius), terms.path_limit_um)
+    ends = (np.searchsorted(route.at, t.low[done], "right") - 1,
+            np.searchsorted(route.at, t.high[done], "left") - 1)  # fmt: skip
+    first, last = (np.clip(k, 0, len(of) - 1) for k in ends)
+    limit[done] = np.maximum(of[first], of[last])
+    return limit
 
 
 def track_cuts(way: Walk, route: Route, assigned: Sequence[Assigned]) -> Track:

@@ -111,7 +111,7 @@ def _coverage(findings: list[Diagnostic], f: Followed, material: Material) -> fl
         findings.append(missing)
     if f.plan.partial:
         return None
-    if c.uncut_um > f.terms.path_limit_um:
+    if c.uncut_um > f.widest:
         findings.append(
             note(
                 "uncut-corner",

@@ -19,7 +19,7 @@ def runs_the_paths(f: Followed) -> Measured:
     findings: list[Diagnostic] = []
     stray = np.zeros(len(f.index))
     stray[f.done] = f.survey.stray
-    off = np.flatnonzero(np.nan_to_num(f.deviation) > f.terms.path_limit_um)
+    off = np.flatnonzero(np.nan_to_num(f.deviation) > f.limit)
     wild = np.flatnonzero(stray > SLOP)
     lost = dict(f.track.lost)
     wrong = np.concatenate([off, wild, np.array(list(lost), np.int64)])
@@ -49,7 +49,7 @@ def runs_the_paths(f: Followed) -> Measured:
                 **f.of_block(int(f.index[b])),
                 cut=cut,
                 deviation_mm=f.deviation[b] / f.per,
-                limit_mm=f.terms.path_limit_um / f.per,
+                limit_mm=float(f.limit[b]) / f.per,
             )
             if len(mine) > 1:
                 leaves = leaves.extended(

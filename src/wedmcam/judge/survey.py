@@ -58,10 +58,13 @@ def survey(
     lead: Bools,
     route: Route,
     kept: Kept | None,
-    path_limit_um: float,
+    path_limit_um: Floats,
     gouge_limit_um: float,
 ) -> Survey:
-    """Survey blocks ``index`` of the walk on their stretches of progress from low to high."""
+    """Survey blocks ``index`` of the walk on their stretches of progress from low to high.
+
+    ``path_limit_um``: of each block.
+    """
     if way.textbook or not len(index) or not way.stepping.steady:
         return everything(way, index, low, high, route, kept)
     b = bound(way, index, low, high, route)
@@ -144,11 +147,11 @@ class _Held:
                 self.gouge_block = int(some[m.gouge_block])
         self.exact[rows] = True
 
-    def failed(self, path_limit_um: float, gouge_limit_um: float) -> bool:
+    def failed(self, path_limit_um: Floats, gouge_limit_um: float) -> bool:
         """Return whether something measured is over a limit, or may be together with others."""
         done = self.exact
         return bool(
-            (self.deviation[done] > path_limit_um).any()
+            (self.deviation[done] > path_limit_um[done]).any()
             or (self.stray[done] > SHARE).any()
             or self.gouge > gouge_limit_um
         )

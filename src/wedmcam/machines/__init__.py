@@ -27,6 +27,7 @@ DEFAULTS: dict[str, str] = {
     "iso": "iso-mm",
     "4b": "b4-compact",
     "dem15": "dem15",
+    "nby15": "nby15",
 }
 #: The profile it is read with, where that is another: an ISO program that is only shown is assumed
 #: to be in G91 and whole um where it says neither.

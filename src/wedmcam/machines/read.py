@@ -17,7 +17,7 @@ from wedmcam.machines import around
 from wedmcam.machines.machine import Axes, Iso, Layout, Limits, Machine, Vectors, Words
 from wedmcam.machines.vocabulary import CLASSES, Vocabulary, calls_in, wrong_words
 
-FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b", "dem15")
+FORMATS = ("3b", "compact", "rotation", "compensation", "iso", "4b", "dem15", "nby15")
 #: Formats whose files are bytes of a memory.
 _BINARY = ("compact", "rotation", "compensation")
 _EOL = {"lf": "\n", "crlf": "\r\n", "cr": "\r"}
@@ -77,7 +77,10 @@ _WORD = _Key(
     lambda v: v != "B" and bool(re.fullmatch("[A-Z]{1,8}", v)),
     formats=_B3,
 )
-_FLAG = _Key(bool, "true or false", lambda v: True)
+# The NBY-15 has switches for the directions of its axes: they are set, and in no profile.
+_FLAG = _Key(
+    bool, "true or false", lambda v: True, formats=tuple(f for f in FORMATS if f != "nby15")
+)
 _LINES = _Key(
     list,
     "a list of lines; in 3B and 4B they start with a semicolon or are rows of * or %",

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam import machines
+from wedmcam.controllers.nby15.data import Switches
 from wedmcam.diag import Diagnostic, Severity, error, has_errors
 from wedmcam.files import bytes_of
 from wedmcam.ir.program import Kind, Program
@@ -278,7 +279,7 @@ def between(
     if data is None or has_errors(more):
         return None, None, None, findings
     # Copies and leads were those of the first program, and are in its path.
-    rest = replace(entries, copies=0, angle=0.0, lead_in=None, lead_out=None)
+    rest = replace(entries, copies=0, angle=0.0, lead_in=None, lead_out=None, switches=Switches())
     other, problems = target.read(data, f"the {machine.format} program", rest)
     findings += [d for d in problems if d.severity is Severity.ERROR]
     if has_errors(findings):

@@ -67,10 +67,14 @@ def explain_block(program: Program, machine: Machine, data: bytes, number: int) 
 
 def _record(program: Program, row: int, data: bytes) -> str:
     """Return the record as it stands in the file, with its place."""
+    from wedmcam.controllers.nby15.data import TapeProgram
     from wedmcam.diag import ByteSpan, TextSpan
+    from wedmcam.formats.tape import readable
 
     span = program.spans[row] if row < len(program.spans) else None
     if isinstance(span, TextSpan):
+        if isinstance(program, TapeProgram):
+            data = readable(data)
         lines = data.decode("utf-8", "replace").splitlines()
         line = lines[span.line - 1] if span.line <= len(lines) else ""
         text = line[span.column - 1 : span.column - 1 + (span.length or len(line))]

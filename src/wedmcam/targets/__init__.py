@@ -7,7 +7,7 @@ asks it. A new kind of controller is a class here and a line in `KINDS`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
@@ -89,6 +89,11 @@ class Target(Protocol):
         ...
 
     @property
+    def arc_limit_um(self) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
+        """See `judge.followed.Terms`; None where arcs are held to what all else is."""
+        ...
+
+    @property
     def block_bytes(self) -> tuple[int, int]:
         """How much of `memory` a line takes, and an arc: bytes, or records."""
         ...
@@ -110,6 +115,16 @@ class Target(Protocol):
             count: "exact" or "textbook"; None for what the profile says.
             feed_um: cutting speed, um a minute, where the path depends on it; None for the
                 profile's.
+
+        Raises:
+            WrongUse: the controller does not count so.
+        """
+        ...
+
+    def lower(
+        self, plan: Plan, count: str | None, feed_um: float | None = None
+    ) -> tuple[Program | None, list[Diagnostic]]:
+        """Return the program of a plan, in blocks of this controller; arguments as of `rules`.
 
         Raises:
             WrongUse: the controller does not count so.
@@ -217,6 +232,7 @@ KINDS: dict[str, str] = {
     "compensation": "wedmcam.targets.compensation:Compensation",
     "4b": "wedmcam.targets.scaled:B4",
     "dem15": "wedmcam.targets.vectors:Dem15",
+    "nby15": "wedmcam.targets.nby15:Nby15",
 }
 
 

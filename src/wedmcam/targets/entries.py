@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from wedmcam.controllers.nby15.corrector import MOST_UM
+from wedmcam.controllers.nby15.data import Switches
 from wedmcam.diag.run import WrongUse
 
 if TYPE_CHECKING:
@@ -47,6 +49,8 @@ class Entries:
         diameter: an entry is twice the offset.
         every_um: the offset of all D numbers where ``d`` is empty; None where none is stated.
         dialect: how a foreign ISO program is read; None where its machine is known.
+        switches: as set at an NBY-15: corrector, scale, directions of the axes.
+        run_off: what its corrector is not safe for is run all the same, as the machine does.
     """
 
     copies: int = 0
@@ -62,6 +66,8 @@ class Entries:
     lead_in: tuple[int, int] | None = None
     lead_out: tuple[int, int] | None = None
     open_loop: bool = False
+    switches: Switches = Switches()  # noqa: RUF009
+    run_off: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.copies <= MOST_COPIES:
@@ -70,12 +76,22 @@ class Entries:
             raise WrongUse(
                 f"--copies {self.copies} without an angle: --angle, other than 0, turns each copy"
             )
+        if abs(self.switches.correct_um) > MOST_UM:
+            raise WrongUse(
+                f"--correct {self.switches.correct_um}: the corrector has a sign and three digits, "
+                f"-{MOST_UM} to {MOST_UM} um"
+            )
         for name, way in (("lead-in", self.lead_in), ("lead-out", self.lead_out)):
             if way is not None and max(abs(v) for v in way) > MOST_LEAD_UM:
                 raise WrongUse(
                     f"--{name} {_mm(way)}: a line of the controller is up to "
                     f"{MOST_LEAD_UM / 1000:.3f} mm long on each axis"
                 )
+
+    @property
+    def stated(self) -> bool:
+        """Whether anything is entered beside a gap and a table."""
+        return self.turns or self.open_loop or self.run_off or not self.switches.plain
 
     @property
     def turns(self) -> bool:
@@ -103,6 +119,11 @@ class Entries:
             raise WrongUse(
                 "--open-loop is for the ZD-065's rotation and compensation formats, not for "
                 f"{source}"
+            )
+        if (self.run_off or not self.switches.plain) and source != "nby15":
+            raise WrongUse(
+                "--correct, --scale, --mirror-axes and --run-off are switches of the NBY-15: "
+                f"for nby15, not for {source}"
             )
         if self.d and source != "iso":
             raise WrongUse(f"--d is for ISO programs with G41 or G42, not for {source}")
@@ -204,8 +225,12 @@ def entered_of(
     lead_in: tuple[float, float] | None,
     lead_out: tuple[float, float] | None,
     open_loop: bool = False,
+    correct_um: int = 0,
+    scale: int = 1,
+    mirror_axes: str = "",
+    run_off: bool = False,
 ) -> Entries:
-    """Return the entries for a figure in rotation format, as options state them, um.
+    """Return the entries for a figure in rotation format, or a tape, as options state them, um.
 
     Raises:
         WrongUse: a lead that is no whole um, or entries that do not fit together.
@@ -218,6 +243,8 @@ def entered_of(
         lead_in=whole_um(lead_in, "--lead-in"),
         lead_out=whole_um(lead_out, "--lead-out"),
         open_loop=open_loop,
+        switches=Switches(correct_um, scale, "x" in mirror_axes, "y" in mirror_axes),
+        run_off=run_off,
     )
 
 

@@ -7,7 +7,7 @@ the format.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -77,6 +77,11 @@ class Stated:
         return ()
 
     @property
+    def arc_limit_um(self) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
+        """What all else is held to."""
+        return None
+
+    @property
     def block_bytes(self) -> tuple[int, int]:
         """A record each."""
         return 1, 1
@@ -140,6 +145,14 @@ class Stated:
             textbook=textbook,
             step_um=self.machine.axes.step_um,
         )
+
+    def lower(
+        self, plan: Plan, count: str | None, feed_um: float | None = None
+    ) -> tuple[Program | None, list[Diagnostic]]:
+        """See `Target`."""
+        from wedmcam.transforms.lower import lower
+
+        return lower(plan, self.rules(count, feed_um))
 
     def place_starts(self, plan: Plan) -> tuple[Plan | None, Sequence[Diagnostic]]:
         """Anywhere will do."""

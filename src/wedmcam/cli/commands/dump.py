@@ -21,6 +21,11 @@ from wedmcam.cli.settings import ReadsPrograms
 @ask.machine_options
 @ask.d_option
 @ask.reading_options
+@click.option(
+    "--tape",
+    is_flag=True,
+    help="The tape itself, a line a row of holes (nby15; a picture: wedmcam plot --tape).",
+)
 @click.option("--json", "json_", is_flag=True, help="As JSON on standard output.")
 def dump_command(**params: Any) -> int:
     """The blocks of a program, with their addresses and where they end."""

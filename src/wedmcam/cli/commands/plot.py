@@ -20,6 +20,7 @@ from wedmcam.cli.settings import Configured
     help="FILE.svg, FILE.png, FILE.html or FILE.dxf; - for SVG to stdout.",
 )
 @click.option("--contours", is_flag=True, help="Only what was drawn; nothing is compiled.")
+@click.option("--tape", is_flag=True, help="The punched tape of a program (nby15).")
 @ask.d_option
 @ask.reading_options
 @ask.compile_options

@@ -15,10 +15,12 @@ from wedmcam.frontends import describe_blocks
 from wedmcam.targets import Entries
 
 
-def run_dump(file: str, format_: str | None, json_: bool, **params: Any) -> int:
+def run_dump(file: str, format_: str | None, json_: bool, tape: bool, **params: Any) -> int:
     """Run ``wedmcam dump``; return the exit status."""
     machine = machine_for(file, params["profile_in"] or params["profile"], format_)
     data = read_program(file)
+    if tape:
+        return _dump_tape(data)
     program, machine_read, findings = api.read_program(
         data,
         profile=machine,
@@ -40,3 +42,11 @@ def run_dump(file: str, format_: str | None, json_: bool, **params: Any) -> int:
             more = texts.get((line[7:].split() or [""])[0], "")
             print_text(f"{line}   {more}" if more else line)
     return 1 if has_errors(findings) else 0
+
+
+def _dump_tape(data: bytes) -> int:
+    """Print the rows of a tape; return the exit status: 1 where a row has a wrong parity."""
+    from wedmcam.formats.tape import odd_rows, rows_text
+
+    print_text(rows_text(data))
+    return 1 if len(odd_rows(data)) else 0

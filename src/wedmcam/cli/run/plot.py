@@ -10,7 +10,7 @@ import click
 from wedmcam import api
 from wedmcam.cli import options as ask
 from wedmcam.cli.files import read_input, shown_name, write_outputs
-from wedmcam.cli.outputs import check_names, check_picture, picture, write_refused
+from wedmcam.cli.outputs import check_names, check_picture, picture, picture_bytes, write_refused
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import typed
 from wedmcam.cli.source import Source
@@ -20,7 +20,7 @@ from wedmcam.formats.names import FORMAT_OF_SUFFIX, PROGRAM_FORMATS
 from wedmcam.machines import Machine
 
 
-def run_plot(input_: str, output: str, contours: bool, **params: Any) -> int:
+def run_plot(input_: str, output: str, contours: bool, tape: bool, **params: Any) -> int:
     """Run ``wedmcam plot``; return the exit status."""
     check_names([input_], [output])
     # A picture shows the program; a drawing is one to cut by.
@@ -28,6 +28,8 @@ def run_plot(input_: str, output: str, contours: bool, **params: Any) -> int:
     if shown:
         check_picture(output)
     data, name = read_input(input_), shown_name(input_)
+    if tape:
+        return _plot_tape(data, name, output)
     result: Compilation | Inspection | Proof
     if Path(input_).suffix.lower() in FORMAT_OF_SUFFIX or _is_program(data):
         machine = _machine_of_program(name, params)
@@ -48,6 +50,22 @@ def run_plot(input_: str, output: str, contours: bool, **params: Any) -> int:
         result = _draw_source(source, machine, contours)
     print_findings(result.findings, name, params["quiet"], texts)
     return _write(result, name, output, shown)
+
+
+def _plot_tape(data: bytes, name: str, output: str) -> int:
+    """Write the picture of a punched tape; return the exit status."""
+    if not _is_tape(data):
+        raise click.UsageError(f"{name} is no punched tape: --tape is for those of the NBY-15")
+    svg = api.plot_tape(data, Path(name).name)
+    write_outputs([(output, picture_bytes(svg, output))])
+    return 0
+
+
+def _is_tape(data: bytes) -> bool:
+    from wedmcam.frontends.identify import identify
+
+    seen = identify(data)
+    return seen.format == "nby15"
 
 
 def _is_program(data: bytes) -> bool:

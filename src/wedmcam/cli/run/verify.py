@@ -70,7 +70,7 @@ def run_verify(
             against_name=against,
             origin_mm=None if origin is None else (origin[0] / 1000, origin[1] / 1000),
             fit_origin=fit_origin,
-            entered=entered if entered.turns or entered.open_loop else None,
+            entered=entered if entered.stated else None,
             certificate=issued,
             options=options,
         )

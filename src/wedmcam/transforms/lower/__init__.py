@@ -25,6 +25,7 @@ from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
 from wedmcam.transforms.lower import chords, moves
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
 from wedmcam.transforms.lower.layout import Layout, lay_out
+from wedmcam.transforms.lower.marks import short_marks
 from wedmcam.transforms.lower.repair import best_chain
 from wedmcam.transforms.lower.steps import in_steps
 
@@ -190,44 +191,11 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
                 within_um=2 * rules.step_um,
             )
         )
-    short = _short_marks(s, layout, plan, rules)
+    short = short_marks(s.gx, s.gy, layout, plan, rules)
     if short:
         return None, findings + short
     program, more = _blocks(s, layout, plan, rules)
     return program, findings + more
-
-
-def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Diagnostic]:
-    """Return errors where a stop or an overcut begins and ends on one step: it would be none.
-
-    A pause on the step of the thread point is the end of the cut, to the machine as to the judge.
-    """
-    findings = []
-    for name, index, vertex, others in layout.marks:
-        x, y = int(s.gx[vertex]), int(s.gy[vertex])
-        if all((x, y) != (int(s.gx[v]), int(s.gy[v])) for v in others):
-            continue
-        cut, per = plan.cuts[index], rules.per_mm
-        length = cut.stop_um if name == "stop" else cut.overcut_um
-        end = rules.place(x, y)
-        findings.append(
-            error(
-                f"{name}-too-short",
-                "the stop of {length_mm:.3f} mm of cut {cut} is lost on the grid of the machine's "
-                "steps: {end}, where it ends, is also where the cut does, or its thread point"
-                if name == "stop"
-                else "the overcut of {length_mm:.3f} mm of cut {cut} is lost on the grid of the "
-                "machine's steps: {end}, where it ends, is also where the cut closes",
-                cut.path.source_of(0),
-                hint="a longer --{option}, or none",
-                points_mm=(end,),
-                option=name,
-                length_mm=length / per,
-                cut=index + 1,
-                end=end,
-            )
-        )
-    return findings
 
 
 def _state(layout: Layout) -> _State:
@@ -605,7 +573,6 @@ def _blocks(
 ) -> tuple[Program | None, list[Diagnostic]]:
     """Return the program: blocks of all groups, with the control records between them."""
     findings: list[Diagnostic] = []
-    per = rules.per_mm
     a, b = s.v0, s.v1
     dx, dy = s.gx[b] - s.gx[a], s.gy[b] - s.gy[a]
     arc = (s.turn != 0) & (s.done == 1)
@@ -641,24 +608,7 @@ def _blocks(
             parts.append(_control(Kind.PAUSE))
             here = moves.end_of(before)
             mx, my = cut.thread[0] - here[0], cut.thread[1] - here[1]
-            if rules.move_um is not None and max(abs(mx), abs(my)) > rules.move_um:
-                findings.append(
-                    error(
-                        "move-too-long",
-                        "the move from {here:xy} to the thread point {thread} is longer than one "
-                        "block of {most_mm:.3f} mm",
-                        cut.path.source_of(0),
-                        hint="another --order may help; --to iso --profile iso-mm moves with G00, "
-                        "of any length"
-                        if moves.order_may_help(plan, rules.move_um)
-                        else "no --order helps: some contours are farther than a block from all "
-                        "that may be cut before and after them; --to iso --profile iso-mm moves "
-                        "with G00, of any length, or a program for each group (--cuts)",
-                        here=rules.place(*here),
-                        thread=rules.place(*cut.thread),
-                        most_mm=rules.move_um / per,
-                    )
-                )
+            findings += moves.too_long(plan, index, rules)
             if mx or my:
                 move = np.zeros(1, BLOCK)
                 move["kind"], move["x"], move["y"], move["source"] = Kind.MOVE, mx, my, -1

@@ -7,12 +7,18 @@ comes after all that it encloses, and leads from none of those to another.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.diag import Diagnostic, error
 from wedmcam.geom import measure
 from wedmcam.geom.quantize import to_grid
 from wedmcam.ir.plan import Cut, Plan
+
+if TYPE_CHECKING:
+    from wedmcam.transforms.lower import Rules
 
 
 def end_of(cut: Cut) -> tuple[int, int]:
@@ -22,6 +28,30 @@ def end_of(cut: Cut) -> tuple[int, int]:
     v = cut.path.vertices
     x, y = to_grid([v["x"][-1], v["y"][-1]]).tolist()
     return x, y
+
+
+def too_long(plan: Plan, index: int, rules: Rules) -> list[Diagnostic]:
+    """Return an error where the move to cut ``index`` is longer than one block."""
+    cut, most, per = plan.cuts[index], rules.move_um, rules.per_mm
+    here = end_of(plan.cuts[index - 1])
+    if most is None or max(abs(a - b) for a, b in zip(cut.thread, here, strict=True)) <= most:
+        return []
+    return [
+        error(
+            "move-too-long",
+            "the move from {here:xy} to the thread point {thread} is longer than one "
+            "block of {most_mm:.3f} mm",
+            cut.path.source_of(0),
+            hint="another --order may help; --to iso --profile iso-mm moves with G00, of any length"
+            if order_may_help(plan, most)
+            else "no --order helps: some contours are farther than a block from all "
+            "that may be cut before and after them; --to iso --profile iso-mm moves "
+            "with G00, of any length, or a program for each group (--cuts)",
+            here=rules.place(*here),
+            thread=rules.place(*cut.thread),
+            most_mm=most / per,
+        )
+    ]
 
 
 def order_may_help(plan: Plan, most: int) -> bool:

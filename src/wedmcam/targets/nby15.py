@@ -1,0 +1,208 @@
+"""The AGIEMERIC NBY-15: whole degrees of a base circle, punched tape, a radius corrector.
+
+The operator sets switches: a correction of the radius, a scale, the directions of the axes. A tape
+is compiled for none of them; `verify --correct` runs it with what is set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wedmcam.controllers.nby15.base_circle import arc_limit_um, sagitta_um
+from wedmcam.controllers.nby15.corrector import Correction, correction
+from wedmcam.controllers.nby15.data import TapeProgram, radii
+from wedmcam.controllers.nby15.run_off import run_off
+from wedmcam.diag import Diagnostic, Place, Span, error, note, warning
+from wedmcam.ir.plan import Plan
+from wedmcam.ir.program import Kind, Program
+from wedmcam.machines import Machine
+from wedmcam.targets.entries import Entries
+from wedmcam.targets.stated import Stated
+
+Floats = NDArray[np.float64]
+
+
+class Nby15(Stated):
+    """Its target."""
+
+    is_text = False
+    pairs: ClassVar[bool] = False
+
+    @property
+    def stop_word(self) -> str:
+        """See `Target`."""
+        return "M02"
+
+    @property
+    def whole_contours(self) -> str:
+        """See `Target`."""
+        return "the controller keeps fractions of a um from arc to arc, and begins with none"
+
+    @property
+    def arc_limit_um(self) -> Callable[[Floats], Floats] | None:
+        """An arc is a polygon: its sagitta, and 1.5 um, or 2 um beyond R 60 mm."""
+        return arc_limit_um
+
+    def lower(
+        self, plan: Plan, count: str | None, feed_um: float | None = None
+    ) -> tuple[Program | None, list[Diagnostic]]:
+        """See `Target`."""
+        from wedmcam.transforms.lower.degrees import lower_to_degrees
+
+        return lower_to_degrees(plan, self.rules(count, feed_um))
+
+    def write(
+        self,
+        program: Program,
+        plan: Plan,
+        entries: Entries,
+        *,
+        feed_um: float | None = None,
+        sharp: bool = False,
+    ) -> tuple[bytes | None, Sequence[Diagnostic]]:
+        """See `Target`; says how coarse the arcs are, and what may be corrected."""
+        data, findings = self._encoded(program)
+        if isinstance(program, TapeProgram):
+            findings = [*findings, *_coarse(program), *_correctable(program)]
+        return data, findings
+
+    def read(
+        self, data: bytes, file: str, entries: Entries
+    ) -> tuple[Program, Sequence[Diagnostic]]:
+        """See `Target`."""
+        program, findings = self._decoded(data, file, switches=entries.switches)
+        if entries.switches.correct_um and isinstance(program, TapeProgram):
+            program, more = _corrected(program, entries, self.machine)
+            findings = [*findings, *more]
+        return program, findings
+
+    def entered(self, entries: Entries, plan: Plan | None = None) -> Entries:
+        """The switches."""
+        return Entries(switches=entries.switches, run_off=entries.run_off)
+
+    def write_carried(
+        self,
+        program: Program,
+        entries: Entries,
+        senses: NDArray[np.int64] | None,
+        feed_um: float | None = None,
+    ) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `Target`; arcs of another interpolator are none of whole degrees."""
+        arcs = np.flatnonzero(program.blocks["kind"] == Kind.ARC)
+        if not len(arcs):
+            return super().write_carried(program, entries, senses, feed_um)
+        source = int(program.blocks["source"][arcs[0]])
+        return None, [
+            error(
+                "not-in-format",
+                "{arcs} arcs: those of the tape are polygons of whole degrees, and step no other "
+                "controller's path",
+                program.sources[source] if 0 <= source < len(program.sources) else None,
+                hint="convert it to a drawing (-o FILE.dxf), and compile that --to nby15",
+                arcs=len(arcs),
+            )
+        ]
+
+
+def _coarse(program: TapeProgram) -> list[Diagnostic]:
+    """Return a note of how far the arcs lie off their circle: a machine of degrees has polygons."""
+    arcs = np.flatnonzero(program.tape["kind"] == Kind.ARC)
+    if not len(arcs):
+        return []
+    largest = int(arcs[np.argmax(program.tape["radius"][arcs])])
+    radius = int(program.tape["radius"][largest])
+    return [
+        note(
+            "degree-polygons",
+            "arcs are polygons of a side a degree: up to {sagitta_um:.2f} um inside the circle, at "
+            "R {radius_mm:.3f} mm; an arc is proven within its sagitta + {more_um:g} um, there "
+            "{limit_um:.2f} um",
+            _source(program, largest),
+            sagitta_um=float(sagitta_um(radius)),
+            radius_mm=radius / 1000,
+            more_um=float(arc_limit_um(radius) - sagitta_um(radius)),
+            limit_um=float(arc_limit_um(radius)),
+        )
+    ]
+
+
+_WHY = {
+    "no-arc": "the radius corrector does nothing: the tape has no arc",
+    "corner": "the radius corrector has to stay at 0: block {block} does not join the one before "
+    "tangentially",
+    "fraction": "the radius corrector has to stay at 0: block {block} is at a fraction of a degree "
+    "that is made as a short line",
+    "radius": "the radius corrector may be set up to {most_um} um either way: the smallest radius, "
+    "of block {block}",
+}
+
+
+def _corrected(
+    program: TapeProgram, entries: Entries, machine: Machine
+) -> tuple[Program, list[Diagnostic]]:
+    """Return what the machine runs with its corrector set, and whether that is safe."""
+    correct, c = entries.switches.correct_um, correction(program.tape)
+    if abs(correct) <= c.most_um:
+        return program, []
+    row = c.block
+    span = None
+    if row is not None and (program.of == row).any():
+        span = program.spans[int(np.argmax(program.of == row))]
+    make = warning if entries.run_off else error
+    unsafe = make(
+        "radius-corrector",
+        "the corrector at {correct_um:+} um: " + _WHY[c.why],
+        span,
+        hint=None if entries.run_off else "--run-off shows what the machine does then",
+        correct_um=correct,
+        block=None if row is None else row + 1,
+        most_um=c.most_um,
+    )
+    findings = [unsafe]
+    travel = machine.limits.travel_um
+    gone = run_off(program.blocks, travel) if entries.run_off and travel is not None else None
+    if gone is None:
+        return program, findings
+    block = int(program.of[gone.row])
+    radius = int(radii(program.tape, entries.switches)[block])
+    findings.append(
+        error(
+            "limit-switch",
+            "block {block}, turned about R {radius_mm:.3f} mm, runs off: the limit switch of "
+            "{axis} opens at {place} from the start, after {steps} steps",
+            program.spans[gone.row],
+            points_mm=(Place.of_um(gone.x, gone.y),),
+            block=block + 1,
+            radius_mm=radius / 1000,
+            axis=f"{'+' if gone.sign > 0 else '-'}{gone.axis}",
+            place=Place.of_um(gone.x, gone.y),
+            steps=gone.steps,
+        )
+    )
+    return program, findings
+
+
+def _correctable(program: TapeProgram) -> list[Diagnostic]:
+    """Return a note of the largest value that the corrector may have."""
+    c: Correction = correction(program.tape)
+    why = _WHY[c.why]
+    if c.why == "radius" and c.most_um >= 999:
+        why = "the radius corrector may be set up to {most_um} um either way: all that it has"
+    return [
+        note(
+            "radius-corrector",
+            why,
+            None if c.block is None else _source(program, c.block),
+            block=None if c.block is None else c.block + 1,
+            most_um=c.most_um,
+        )
+    ]
+
+
+def _source(program: TapeProgram, row: int) -> Span | None:
+    source = int(program.tape["source"][row])
+    return program.sources[source] if 0 <= source < len(program.sources) else None

@@ -181,7 +181,8 @@ def test_the_commands_take_such_programs(tmp_path):
     assert "chosen for the cutting speed" in run(
         tmp_path, "convert", "key.3b", "-o", "other.d15", status=1
     )
-    run(tmp_path, "compile", "key.dxf", "--to", "3b,dem15", "-o", "both", "--offset", "0.1")
+    words = ("compile", "key.dxf", "--to", "3b,dem15", "-o", "both", "--offset", "0.1")
+    assert "compile the formats one by one" in run(tmp_path, *words, status=3)  # other steps
 
 
 def test_many_drawings_at_once(tmp_path):

@@ -353,6 +353,7 @@ def entered_in(params: dict[str, Any]) -> Entries:
     Raises:
         WrongUse: a lead that is no whole um, or entries that do not fit together.
     """
+    from wedmcam.controllers.nby15.data import Switches
     from wedmcam.targets.entries import entered_of
 
     def of(*names: str) -> list[Any]:
@@ -366,9 +367,7 @@ def entered_in(params: dict[str, Any]) -> Entries:
         lead_in,
         lead_out,
         open_loop=params.pop("open_loop"),
-        correct_um=correct,
-        scale=int(scale),
-        mirror_axes=mirror,
+        switches=Switches(correct, int(scale), "x" in mirror, "y" in mirror),
         run_off=run_off,
     )
 

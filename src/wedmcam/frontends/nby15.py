@@ -8,7 +8,9 @@ one of the file, and the line and the column of the text behind the leader's ``%
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -199,7 +201,13 @@ def _limits(blocks: _Blocks, machine: Machine) -> list[Diagnostic]:
     line = (t["kind"] == Kind.LINE) | (t["kind"] == Kind.MOVE)
     mm = mm_of(machine.axes.step_um)
 
-    def tell(severity: Severity, code: str, mask: NDArray[np.bool_], template: str) -> None:
+    def tell(
+        severity: Severity,
+        code: str,
+        mask: NDArray[np.bool_],
+        template: str,
+        values: Callable[[int], dict[str, Any]],
+    ) -> None:
         findings.extend(
             d
             for _, d in listed(
@@ -207,15 +215,8 @@ def _limits(blocks: _Blocks, machine: Machine) -> list[Diagnostic]:
                 code,
                 np.flatnonzero(mask),
                 blocks.spans.__getitem__,
-                "row {row}, block {block}: " + template,
-                lambda i: {
-                    "row": blocks.tape_rows[i],
-                    "block": i + 1,
-                    "start": int(t["start"][i]),
-                    "degrees": int(t["degrees"][i]),
-                    "radius": mm(int(t["radius"][i])),
-                    "most": mm(most),
-                },
+                template,
+                values,
             )
         )
 
@@ -224,17 +225,36 @@ def _limits(blocks: _Blocks, machine: Machine) -> list[Diagnostic]:
         Severity.ERROR,
         "bad-angle",
         wrong,
-        "A{start} B{degrees}: arcs begin at degree 0 to 359 and turn over 1 to 360",
+        "row {row}, block {block}: A{start} B{degrees}: arcs begin at degree 0 to 359 and turn "
+        "over 1 to 360",
+        lambda i: {
+            "row": blocks.tape_rows[i],
+            "block": i + 1,
+            "start": int(t["start"][i]),
+            "degrees": int(t["degrees"][i]),
+        },
     )
     over = arc & (t["radius"] > most)
     tell(
         Severity.ERROR,
         "over-limit",
         over,
-        "the radius is {radius}, the largest is {most}",
+        "row {row}, block {block}: the radius is {radius}, the largest is {most}",
+        lambda i: {
+            "row": blocks.tape_rows[i],
+            "block": i + 1,
+            "radius": mm(int(t["radius"][i])),
+            "most": mm(most),
+        },
     )
     still = (arc & (t["radius"] == 0)) | (line & (t["x"] == 0) & (t["y"] == 0))
-    tell(Severity.WARNING, "empty-block", still, "it makes no step")
+    tell(
+        Severity.WARNING,
+        "empty-block",
+        still,
+        "row {row}, block {block}: it makes no step",
+        lambda i: {"row": blocks.tape_rows[i], "block": i + 1},
+    )
     return findings
 
 

@@ -225,9 +225,7 @@ def entered_of(
     lead_in: tuple[float, float] | None,
     lead_out: tuple[float, float] | None,
     open_loop: bool = False,
-    correct_um: int = 0,
-    scale: int = 1,
-    mirror_axes: str = "",
+    switches: Switches | None = None,
     run_off: bool = False,
 ) -> Entries:
     """Return the entries for a figure in rotation format, or a tape, as options state them, um.
@@ -243,7 +241,7 @@ def entered_of(
         lead_in=whole_um(lead_in, "--lead-in"),
         lead_out=whole_um(lead_out, "--lead-out"),
         open_loop=open_loop,
-        switches=Switches(correct_um, scale, "x" in mirror_axes, "y" in mirror_axes),
+        switches=switches or Switches(),
         run_off=run_off,
     )
 

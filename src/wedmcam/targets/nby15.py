@@ -7,6 +7,7 @@ is compiled for none of them; `verify --correct` runs it with what is set.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +17,7 @@ from wedmcam.controllers.nby15.base_circle import arc_limit_um, sagitta_um
 from wedmcam.controllers.nby15.corrector import Correction, correction
 from wedmcam.controllers.nby15.data import TapeProgram, radii
 from wedmcam.controllers.nby15.run_off import run_off
-from wedmcam.diag import Diagnostic, Place, Span, error, note, warning
+from wedmcam.diag import Diagnostic, Place, Severity, Span, error, note
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
@@ -130,15 +131,32 @@ def _coarse(program: TapeProgram) -> list[Diagnostic]:
     ]
 
 
-_WHY = {
-    "no-arc": "the radius corrector does nothing: the tape has no arc",
-    "corner": "the radius corrector has to stay at 0: block {block} does not join the one before "
-    "tangentially",
-    "fraction": "the radius corrector has to stay at 0: block {block} is at a fraction of a degree "
-    "that is made as a short line",
-    "radius": "the radius corrector may be set up to {most_um} um either way: the smallest radius, "
-    "of block {block}",
-}
+def _said(c: Correction, span: Span | None) -> Diagnostic:
+    """Return a note of what the radius corrector may be set to, and why."""
+    block = None if c.block is None else c.block + 1
+    if c.why == "no-arc":
+        text = "the radius corrector does nothing: the tape has no arc"
+        return note("radius-corrector", text, span)
+    if c.why == "corner":
+        corner = (
+            "the radius corrector has to stay at 0: block {block} does not join the one before "
+            "tangentially"
+        )
+        return note("radius-corrector", corner, span, block=block)
+    if c.why == "fraction":
+        fraction = (
+            "the radius corrector has to stay at 0: block {block} is at a fraction of a degree "
+            "that is made as a short line"
+        )
+        return note("radius-corrector", fraction, span, block=block)
+    if c.most_um >= 999:
+        every = "the radius corrector may be set up to {most_um} um either way: all that it has"
+        return note("radius-corrector", every, span, most_um=c.most_um)
+    radius = (
+        "the radius corrector may be set up to {most_um} um either way: the smallest radius, of "
+        "block {block}"
+    )
+    return note("radius-corrector", radius, span, most_um=c.most_um, block=block)
 
 
 def _corrected(
@@ -152,15 +170,10 @@ def _corrected(
     span = None
     if row is not None and (program.of == row).any():
         span = program.spans[int(np.argmax(program.of == row))]
-    make = warning if entries.run_off else error
-    unsafe = make(
-        "radius-corrector",
-        "the corrector at {correct_um:+} um: " + _WHY[c.why],
-        span,
-        hint=None if entries.run_off else "--run-off shows what the machine does then",
-        correct_um=correct,
-        block=None if row is None else row + 1,
-        most_um=c.most_um,
+    severity = Severity.WARNING if entries.run_off else Severity.ERROR
+    hint = "" if entries.run_off else "--run-off shows what the machine does then"
+    unsafe = replace(_said(c, span), severity=severity).extended(
+        "; it is set to {correct_um:+} um", hint=hint, correct_um=correct
     )
     findings = [unsafe]
     travel = machine.limits.travel_um
@@ -189,18 +202,7 @@ def _corrected(
 def _correctable(program: TapeProgram) -> list[Diagnostic]:
     """Return a note of the largest value that the corrector may have."""
     c: Correction = correction(program.tape)
-    why = _WHY[c.why]
-    if c.why == "radius" and c.most_um >= 999:
-        why = "the radius corrector may be set up to {most_um} um either way: all that it has"
-    return [
-        note(
-            "radius-corrector",
-            why,
-            None if c.block is None else _source(program, c.block),
-            block=None if c.block is None else c.block + 1,
-            most_um=c.most_um,
-        )
-    ]
+    return [_said(c, None if c.block is None else _source(program, c.block))]
 
 
 def _source(program: TapeProgram, row: int) -> Span | None:

@@ -11,23 +11,26 @@ counts both on its G axis and on the inscribed square.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.controllers.eindhoven.vectors import Vectors
 from wedmcam.diag import Diagnostic, Place, error, note, warning
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
-from wedmcam.transforms.lower import chords, moves
+from wedmcam.transforms.lower import moves
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
 from wedmcam.transforms.lower.layout import Layout, lay_out
 from wedmcam.transforms.lower.marks import short_marks
 from wedmcam.transforms.lower.repair import best_chain
 from wedmcam.transforms.lower.steps import in_steps
+
+if TYPE_CHECKING:
+    from wedmcam.controllers.eindhoven.vectors import Vectors
 
 __all__ = ["Budget", "Rules", "lower"]
 
@@ -286,6 +289,8 @@ def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> NDArray[np.bo
 
 def _cut_into_vectors(s: _State, vectors: Vectors) -> None:
     """Part all segments into vectors that the controller runs within the budget; no arc is left."""
+    from wedmcam.transforms.lower import chords
+
     _choose_points(s, np.arange(len(s.x)), vectors)
     open_ = np.ones(len(s.v0), bool)
     for _ in range(ROUNDS):
@@ -305,6 +310,8 @@ def _cut_into_vectors(s: _State, vectors: Vectors) -> None:
 
 def _choose_points(s: _State, vertices: Ints, vectors: Vectors) -> None:
     """Choose places of the grid for some vertices; those that are pinned stay."""
+    from wedmcam.transforms.lower import chords
+
     free = vertices[~s.pinned[vertices]]
     number = np.full(len(s.x), -1)
     number[free] = np.arange(len(free))

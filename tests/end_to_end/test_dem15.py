@@ -52,7 +52,7 @@ def test_samples_are_proven_on_the_table_that_they_fit(name):
         assert codes(made) == {"over-travel"}
         (d,) = (d for d in made.findings if d.code == "over-travel")
         assert re.search(
-            r"goes \d+\.\d{3} mm along [XY], farthest at \(.*\) mm; .* 65\.000", d.message
+            r"goes \d+\.\d{3} mm along [xy] of the drawing, .* at \(.*\) mm; .* 65\.000", d.message
         )
         made = compiled(name, profile="dem15-steps")
     if name == LARGE:
@@ -97,6 +97,19 @@ def test_feeds_that_it_has_no_speed_for_are_refused(feed, ok):
         (d,) = (d for d in made.findings if d.severity is Severity.ERROR)
         assert d.code == "speed-range"
         assert f"{feed:g} mm a minute" in d.message
+
+
+def test_what_is_far_larger_than_the_table_is_refused_at_once():
+    def draw(doc, space):
+        space.add_circle((0, 0), 90_000.0)
+        space.add_lwpolyline([(0, 0), (60_000, 1), (5, 50_000)], close=True)
+
+    for profile in ("dem15", "dem15-steps", "dem15-sines"):
+        for side in ("part", "die"):
+            made = api.compile(
+                drawing(draw), to="dem15", offset=0.1, feed=0.016, profile=profile, side=side
+            )
+            assert codes(made) == {"over-travel"}
 
 
 def test_the_speed_that_is_run_is_told():
@@ -181,7 +194,8 @@ def test_the_commands_take_such_programs(tmp_path):
     assert "chosen for the cutting speed" in run(
         tmp_path, "convert", "key.3b", "-o", "other.d15", status=1
     )
-    run(tmp_path, "compile", "key.dxf", "--to", "3b,dem15", "-o", "both", "--offset", "0.1")
+    words = ("compile", "key.dxf", "--to", "3b,dem15", "-o", "both", "--offset", "0.1")
+    assert "compile the formats one by one" in run(tmp_path, *words, status=3)  # other steps
 
 
 def test_many_drawings_at_once(tmp_path):

@@ -14,6 +14,7 @@ import numpy as np
 
 from wedmcam.controllers.eindhoven.vectors import Vectors
 from wedmcam.diag import Diagnostic, error, note
+from wedmcam.diag.run import WrongUse
 from wedmcam.formats import dem15
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
@@ -47,12 +48,16 @@ class Dem15(Stated):
 
     def rules(self, count: str | None, feed_um: float | None = None) -> Rules:
         """See `Target`; moves between two cuts are run at the largest speed."""
+        if count == "textbook":
+            raise WrongUse("--count textbook is for 3B: a vector of the DEM-15 counts nothing")
         speed = self._speed(feed_um)
-        rules = super().rules(count)
+        rules = super().rules(None)
         stepping = rules.stepping
         assert isinstance(stepping, Vectors)
         cutting = replace(stepping, speed=min(max(speed, 1), dem15.FASTEST))
-        return replace(rules, stepping=cutting, vectors=cutting, moving=stepping)
+        along = dem15.reach(self.machine.limits.travel_um, self.machine.vectors.positions)
+        travel = along[::-1] if self.machine.axes.exchange else along
+        return replace(rules, stepping=cutting, vectors=cutting, moving=stepping, travel=travel)
 
     def _speed(self, feed_um: float | None) -> int:
         """Return the speed for a feed, um a minute; it may be none that the controller takes."""

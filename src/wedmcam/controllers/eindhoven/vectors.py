@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache
 
 import numpy as np
@@ -161,6 +160,8 @@ class Vectors:
         Raises:
             ValueError: it would never end: no way, no speed, or an arc.
         """
+        from fractions import Fraction
+
         if block["kind"] > Kind.MOVE:
             return
         target = int(block["x"]), int(block["y"])

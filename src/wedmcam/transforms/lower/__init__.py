@@ -11,22 +11,26 @@ counts both on its G axis and on the inscribed square.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
-from wedmcam.controllers.eindhoven.vectors import Vectors
 from wedmcam.diag import Diagnostic, Place, error, note, warning
+from wedmcam.geom import measure
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program, Role
-from wedmcam.transforms.lower import chords, moves
+from wedmcam.transforms.lower import moves
 from wedmcam.transforms.lower.fit import Arcs, Budget, Ideal, chord_cost, fit_arcs, line_cost
 from wedmcam.transforms.lower.layout import Layout, lay_out
 from wedmcam.transforms.lower.repair import best_chain
 from wedmcam.transforms.lower.steps import in_steps
+
+if TYPE_CHECKING:
+    from wedmcam.controllers.eindhoven.vectors import Vectors
 
 __all__ = ["Budget", "Rules", "lower"]
 
@@ -61,6 +65,8 @@ class Rules:
         vectors: the controller runs vectors alone: this is it at its cutting speed; None for one
             that runs lines and arcs.
         moving: what runs the moves between two cuts; None for ``stepping``.
+        travel: the largest way along x and along y of the drawing that vectors can be computed for;
+            None for any.
     """
 
     stepping: Stepping
@@ -74,6 +80,7 @@ class Rules:
     step_um: float = 1.0
     vectors: Vectors | None = None
     moving: Stepping | None = None
+    travel: tuple[int, int] | None = None
 
     @property
     def per_mm(self) -> float:
@@ -144,12 +151,15 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     The program starts at the thread point of the first cut. Blocks carry role, cut number and
     source. Every arc ends on a whole micron that the next block starts from.
 
-    Findings: ``move-too-long``, ``stop-too-short``, ``overcut-too-short`` and ``cannot-lower``
-    (errors), ``radius-over-limit`` (warning: chords), ``blocks-split`` and ``specks-dropped``
-    (notes).
+    Findings: ``over-travel``, ``move-too-long``, ``stop-too-short``, ``overcut-too-short`` and
+    ``cannot-lower`` (errors), ``radius-over-limit`` (warning: chords), ``blocks-split`` and
+    ``specks-dropped`` (notes).
     """
     findings: list[Diagnostic] = []
     plan = in_steps(plan, rules.step_um)
+    far = _over_travel(plan, rules)
+    if far:
+        return None, far
     layout = lay_out(plan)
     s = _state(layout)
     if rules.vectors is not None:
@@ -195,6 +205,35 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
         return None, findings + short
     program, more = _blocks(s, layout, plan, rules)
     return program, findings + more
+
+
+def _over_travel(plan: Plan, rules: Rules) -> list[Diagnostic]:
+    """Return an error where a plan in steps is larger than vectors can be computed for."""
+    if rules.travel is None or not plan.cuts:
+        return []
+    boxes = measure.extents_of_all([(cut.path.vertices, cut.path.closed) for cut in plan.cuts])
+    threads = np.array([cut.thread for cut in plan.cuts], float)
+    every = np.vstack([boxes[:, :2], boxes[:, 2:], threads])
+    size = every.max(axis=0) - every.min(axis=0)
+    over = size - np.array(rules.travel)
+    axis = int(np.argmax(over))
+    if over[axis] <= 2.0:  # rounded to the grid it may fit; the writer knows
+        return []
+    place = rules.place(*every.max(axis=0))
+    return [
+        error(
+            "over-travel",
+            "the path goes {length_mm:.3f} mm along {axis} of the drawing, up to {place}; the "
+            "table goes {most_mm:.3f} mm",
+            hint="move or turn the part, or split it (--cuts); dem15-steps has a table twice as "
+            "large as dem15",
+            points_mm=(place,),
+            length_mm=float(size[axis]) / rules.per_mm,
+            axis="xy"[axis],
+            place=place,
+            most_mm=rules.travel[axis] / rules.per_mm,
+        )
+    ]
 
 
 def _short_marks(s: _State, layout: Layout, plan: Plan, rules: Rules) -> list[Diagnostic]:
@@ -318,6 +357,8 @@ def _replace(s: _State, rows: Ints, pieces: Ints, chords: bool) -> NDArray[np.bo
 
 def _cut_into_vectors(s: _State, vectors: Vectors) -> None:
     """Part all segments into vectors that the controller runs within the budget; no arc is left."""
+    from wedmcam.transforms.lower import chords
+
     _choose_points(s, np.arange(len(s.x)), vectors)
     open_ = np.ones(len(s.v0), bool)
     for _ in range(ROUNDS):
@@ -337,6 +378,8 @@ def _cut_into_vectors(s: _State, vectors: Vectors) -> None:
 
 def _choose_points(s: _State, vertices: Ints, vectors: Vectors) -> None:
     """Choose places of the grid for some vertices; those that are pinned stay."""
+    from wedmcam.transforms.lower import chords
+
     free = vertices[~s.pinned[vertices]]
     number = np.full(len(s.x), -1)
     number[free] = np.arange(len(free))

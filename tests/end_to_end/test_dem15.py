@@ -52,7 +52,7 @@ def test_samples_are_proven_on_the_table_that_they_fit(name):
         assert codes(made) == {"over-travel"}
         (d,) = (d for d in made.findings if d.code == "over-travel")
         assert re.search(
-            r"goes \d+\.\d{3} mm along [xy] of the drawing, .* at \(.*\) mm; .* 65\.000", d.message
+            r"goes \d+\.\d{3} mm along [xy] of the drawing, up to \(.*\) mm; .* 65\.000", d.message
         )
         made = compiled(name, profile="dem15-steps")
     if name == LARGE:

@@ -52,7 +52,7 @@ def test_samples_are_proven_on_the_table_that_they_fit(name):
         assert codes(made) == {"over-travel"}
         (d,) = (d for d in made.findings if d.code == "over-travel")
         assert re.search(
-            r"goes \d+\.\d{3} mm along [XY], farthest at \(.*\) mm; .* 65\.000", d.message
+            r"goes \d+\.\d{3} mm along [xy] of the drawing, up to \(.*\) mm; .* 65\.000", d.message
         )
         made = compiled(name, profile="dem15-steps")
     if name == LARGE:
@@ -97,6 +97,19 @@ def test_feeds_that_it_has_no_speed_for_are_refused(feed, ok):
         (d,) = (d for d in made.findings if d.severity is Severity.ERROR)
         assert d.code == "speed-range"
         assert f"{feed:g} mm a minute" in d.message
+
+
+def test_what_is_far_larger_than_the_table_is_refused_at_once():
+    def draw(doc, space):
+        space.add_circle((0, 0), 90_000.0)
+        space.add_lwpolyline([(0, 0), (60_000, 1), (5, 50_000)], close=True)
+
+    for profile in ("dem15", "dem15-steps", "dem15-sines"):
+        for side in ("part", "die"):
+            made = api.compile(
+                drawing(draw), to="dem15", offset=0.1, feed=0.016, profile=profile, side=side
+            )
+            assert codes(made) == {"over-travel"}
 
 
 def test_the_speed_that_is_run_is_told():

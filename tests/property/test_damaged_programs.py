@@ -17,7 +17,9 @@ GOLDEN = Path(__file__).parents[1] / "golden"
 
 
 def whole(format_):
-    """A program of each format: the golden one as `convert` writes it."""
+    """A program of each format: the golden one as `convert` writes it, or the golden one itself."""
+    if format_ == "dem15":  # nothing is converted to it
+        return (GOLDEN / "key-punch.d15").read_bytes()
     made = api_convert(GOLDEN / "key-punch.3b", format_)
     assert made.ok, made.findings
     return made.data

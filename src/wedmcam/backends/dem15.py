@@ -129,10 +129,7 @@ def _shift(at: Ints, program: Program, machine: Machine) -> tuple[Ints, list[Dia
         program, machine: whose they are.
     """
     none = np.zeros(2, np.int64)
-    size = np.array(machine.limits.travel_um or (dem15.PLACE, dem15.PLACE))
-    most = np.floor(size / machine.axes.step_um).astype(np.int64)
-    unit = dem15.UNITS[machine.vectors.positions][1]
-    most = np.minimum(most, dem15.PLACE // unit)
+    most = np.array(dem15.reach(machine.limits.travel_um, machine.vectors.positions))
     low, high = at.min(axis=0), at.max(axis=0)
     if ((high - low) > most).any():
         k = int(np.argmax(high - low - most))

@@ -28,6 +28,8 @@ MOST = np.array([PLACE, PLACE, PLACE, PLACE, CONTROL, CONTROL, FASTEST])
 #: What a profile calls the unit of positions -> the word for it, and how many make a step.
 UNITS = {"um": ("UM", 2), "steps": ("STEPS", 1)}
 PAUSE, END = "P", "E"
+#: How far a step moves either axis, um.
+STEP_UM = 2
 #: One unit of speed, um a minute.
 SPEED_UM = 15.75
 
@@ -61,6 +63,21 @@ def too_much(t_i: ArrayLike, t_p: ArrayLike) -> NDArray[np.bool_]:
     [False, True, False]
     """
     return np.asarray(2 * np.asarray(t_i) > 3 * np.asarray(t_p))
+
+
+def reach(travel_um: tuple[int, int] | None, positions: str) -> tuple[int, int]:
+    """Return how many steps the table and 16 bits have room for, along x and y of the machine.
+
+    Args:
+        travel_um: of the table; None for no limit.
+        positions: a key of `UNITS`.
+
+    >>> reach((65_000, 65_000), "um"), reach(None, "um"), reach(None, "steps")
+    ((32500, 32500), (32767, 32767), (65535, 65535))
+    """
+    most = PLACE // UNITS[positions][1]
+    x, y = (int(um // STEP_UM) for um in travel_um or (10**9, 10**9))
+    return min(x, most), min(y, most)
 
 
 def speed_of(feed_um: float) -> int:

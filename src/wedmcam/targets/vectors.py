@@ -55,7 +55,9 @@ class Dem15(Stated):
         stepping = rules.stepping
         assert isinstance(stepping, Vectors)
         cutting = replace(stepping, speed=min(max(speed, 1), dem15.FASTEST))
-        return replace(rules, stepping=cutting, vectors=cutting, moving=stepping)
+        along = dem15.reach(self.machine.limits.travel_um, self.machine.vectors.positions)
+        travel = along[::-1] if self.machine.axes.exchange else along
+        return replace(rules, stepping=cutting, vectors=cutting, moving=stepping, travel=travel)
 
     def _speed(self, feed_um: float | None) -> int:
         """Return the speed for a feed, um a minute; it may be none that the controller takes."""

@@ -66,10 +66,7 @@ def reduc(a: Ints, b: Ints) -> tuple[Ints, Ints]:
     (array([255, 127, 181]), array([  0, 127, 181]))
     """
     a, b = np.array(a, np.int64), np.array(b, np.int64)
-    for _ in range(9):  # 16 bits become 8, and one more where both are large
-        large = a * a + b * b > WORD
-        if not large.any():
-            break
+    while (large := a * a + b * b > WORD).any():
         a, b = a >> large, b >> large
     return a, b
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
 from wedmcam.diag import Diagnostic, Place, error, note, warning
+from wedmcam.geom import measure
 from wedmcam.geom.quantize import to_grid
 from wedmcam.geom.segments import TAU, Floats, Ints
 from wedmcam.ir.plan import Plan
@@ -65,6 +66,8 @@ class Rules:
         vectors: the controller runs vectors alone: this is it at its cutting speed; None for one
             that runs lines and arcs.
         moving: what runs the moves between two cuts; None for ``stepping``.
+        travel: the largest way along x and along y of the drawing that vectors can be computed for;
+            None for any.
     """
 
     stepping: Stepping
@@ -78,6 +81,7 @@ class Rules:
     step_um: float = 1.0
     vectors: Vectors | None = None
     moving: Stepping | None = None
+    travel: tuple[int, int] | None = None
 
     @property
     def per_mm(self) -> float:
@@ -148,12 +152,15 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
     The program starts at the thread point of the first cut. Blocks carry role, cut number and
     source. Every arc ends on a whole micron that the next block starts from.
 
-    Findings: ``move-too-long``, ``stop-too-short``, ``overcut-too-short`` and ``cannot-lower``
-    (errors), ``radius-over-limit`` (warning: chords), ``blocks-split`` and ``specks-dropped``
-    (notes).
+    Findings: ``over-travel``, ``move-too-long``, ``stop-too-short``, ``overcut-too-short`` and
+    ``cannot-lower`` (errors), ``radius-over-limit`` (warning: chords), ``blocks-split`` and
+    ``specks-dropped`` (notes).
     """
     findings: list[Diagnostic] = []
     plan = in_steps(plan, rules.step_um)
+    far = _over_travel(plan, rules)
+    if far:
+        return None, far
     layout = lay_out(plan)
     s = _state(layout)
     if rules.vectors is not None:
@@ -199,6 +206,35 @@ def lower(plan: Plan, rules: Rules) -> tuple[Program | None, list[Diagnostic]]:
         return None, findings + short
     program, more = _blocks(s, layout, plan, rules)
     return program, findings + more
+
+
+def _over_travel(plan: Plan, rules: Rules) -> list[Diagnostic]:
+    """Return an error where a plan in steps is larger than vectors can be computed for."""
+    if rules.travel is None or not plan.cuts:
+        return []
+    boxes = measure.extents_of_all([(cut.path.vertices, cut.path.closed) for cut in plan.cuts])
+    threads = np.array([cut.thread for cut in plan.cuts], float)
+    every = np.vstack([boxes[:, :2], boxes[:, 2:], threads])
+    size = every.max(axis=0) - every.min(axis=0)
+    over = size - np.array(rules.travel)
+    axis = int(np.argmax(over))
+    if over[axis] <= 2.0:  # rounded to the grid it may fit; the writer knows
+        return []
+    place = rules.place(*every.max(axis=0))
+    return [
+        error(
+            "over-travel",
+            "the path goes {length_mm:.3f} mm along {axis} of the drawing, up to {place}; the "
+            "table goes {most_mm:.3f} mm",
+            hint="move or turn the part, or split it (--cuts); dem15-steps has a table twice as "
+            "large as dem15",
+            points_mm=(place,),
+            length_mm=float(size[axis]) / rules.per_mm,
+            axis="xy"[axis],
+            place=place,
+            most_mm=rules.travel[axis] / rules.per_mm,
+        )
+    ]
 
 
 def _state(layout: Layout) -> _State:

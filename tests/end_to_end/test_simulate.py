@@ -16,6 +16,7 @@ from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.simulate.read import read_scenario
 from wedmcam.simulate.ring import PATTERNS
 from wedmcam.simulate.route import lay
+from wedmcam.simulate.scenario import Fault, Trouble
 from wedmcam.simulate.state import check_state, read_state
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -103,6 +104,36 @@ def test_a_state_goes_on_the_next_day(tmp_path):
     assert "backlash is 3,3 here and 12,15 in the state" in other.stderr.decode()
     early = run(KEY, "--resume", "a.state", "--fault", "power@5", cwd=tmp_path)
     assert "the run begins at step 60000" in early[2]
+
+
+#: Block 2 turns y back first behind this step of the key: its 15 um are taken up there.
+TURN = 2900
+
+
+def test_play_is_taken_up_once_however_often_the_power_fails():
+    cuts = (f"power@{TURN}+5", f"power@{TURN}+10")
+    whole = library.simulate_program(KEY, backlash=(12, 15))
+    run = library.simulate_program(KEY, backlash=(12, 15), faults=cuts)
+    assert run.ok
+    assert run.record.pulses == whole.record.pulses
+    more = library.simulate_program(KEY, backlash=(12, 15), faults=(cuts[0], f"power@{TURN}+11"))
+    assert [d.code for d in more.findings] == ["bad-fault"]
+    assert "+11: 10 steps of play are taken up there" in more.findings[0].message
+    first = library.simulate_program(KEY, backlash=(12, 15), faults=cuts[:1], stop_at_power=True)
+    for left, codes in ((10, []), (11, ["bad-fault"])):
+        rest = library.simulate_program(KEY, resume=first.state, faults=[f"power@{TURN}+{left}"])
+        assert [d.code for d in rest.findings] == codes
+
+
+def test_a_way_back_from_a_state_may_end_in_an_alarm():
+    short = Fault(Trouble.SHORT, 5000, length=160, cut_after=30)
+    first = library.simulate_program(KEY, backlash=(12, 15), faults=[short], stop_at_power=True)
+    assert first.record.state.stand.step == 4970
+    rest = library.simulate_program(KEY, resume=first.state)
+    assert [d.code for d in rest.findings] == ["alarm"]
+    assert rest.record.state.stand.step == 4900
+    assert "still there" in rest.findings[0].message
+    assert library.simulate_program(KEY, resume=rest.state).record.final_um == (0, 0)
 
 
 def test_after_an_alarm_the_operator_goes_on(tmp_path):

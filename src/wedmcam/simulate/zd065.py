@@ -54,7 +54,7 @@ def run(
         None, and why, where a fault cannot happen.
     """
     begin = state or initial(route, setup)
-    wrong = check_scenario(scenario, route, ANSWERS, setup, begin.stand)
+    wrong = check_scenario(scenario, route, ANSWERS, setup, begin)
     if wrong:
         return None, wrong
     tally = _Tally(route, setup)
@@ -189,9 +189,13 @@ def _findings(record: Record) -> list[Diagnostic]:
     if stand.mode is Mode.ALARM:
         text = (
             "the machine stopped with an alarm at step {step}, block {block}: the short circuit is "
-            "still there, {back} steps back"
+            "still there"
         )
-        short = next(one for one in reversed(record.events) if one.kind == "short")
+        short = next((one for one in reversed(record.events) if one.kind == "short"), None)
+        more = {}
+        if short is not None:  # else it goes on from a state of the way back, which began before
+            text += ", {back} steps back"
+            more = {"back": short.step - stand.step}
         findings.append(
             error(
                 "alarm",
@@ -200,7 +204,7 @@ def _findings(record: Record) -> list[Diagnostic]:
                 hint="look at the generator and the wire; then the machine goes on from its state",
                 step=stand.step,
                 block=record.state.reading.block,
-                back=short.step - stand.step,
+                **more,
             )
         )
     x, y = record.off_um

@@ -125,6 +125,16 @@ def test_play_is_taken_up_once_however_often_the_power_fails():
         assert [d.code for d in rest.findings] == codes
 
 
+@pytest.mark.parametrize("made", [0, 1, 4999, 5000])
+def test_the_commanded_place_of_a_straight_way_back_is_on_it(made):
+    """With backlash = play the table is where the controller has it, on that way too."""
+    fault = Fault(Trouble.BREAK, 40_000, cut_after=made)
+    run = library.simulate_program(KEY, backlash=(12, 15), faults=[fault], stop_at_power=True)
+    facts = run.summary
+    assert facts["commanded_um"] == facts["final_um"]
+    assert sum(map(abs, facts["commanded_um"])) == sum((35_650, 4_350)) - made
+
+
 def test_a_way_back_from_a_state_may_end_in_an_alarm():
     short = Fault(Trouble.SHORT, 5000, length=160, cut_after=30)
     first = library.simulate_program(KEY, backlash=(12, 15), faults=[short], stop_at_power=True)

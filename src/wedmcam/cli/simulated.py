@@ -101,8 +101,7 @@ _SENTENCES = {
 def _print_end(record: Record) -> None:
     """Print where a run ended, and what it took."""
     x, y = (f"{um / 1000 + 0.0:.3f}" for um in record.final_um)
-    place = record.route.place[record.state.stand.step]
-    px, py = (f"{int(um) / 1000 + 0.0:.3f}" for um in place)
+    px, py = (f"{um / 1000 + 0.0:.3f}" for um in record.commanded_um)
     motors = " ".join(f"{k} {axis.motor}" for k, axis in zip("XY", record.state.axes, strict=True))
     off = max(record.off_um)
     exact = "exact at every step" if not off else f"off the path by up to {off} um"

@@ -286,7 +286,7 @@ def _figures(record: Record) -> dict[str, Any]:
         "take_up_pulses": record.pulses - record.walked,
         "final_um": pair(record.final_um),
         "motor_um": [x.motor, y.motor],
-        "commanded_um": route.place[record.state.stand.step].tolist(),
+        "commanded_um": pair(record.commanded_um),
         "off_um": pair(record.off_um),
         "time_s": round(record.state.time_s, 6),
         "backlash_um": pair(setup.backlash),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.ir.program import BLOCK
 from wedmcam.simulate.axis import AxisState, at_start, drive
-from wedmcam.simulate.process import Leg, Way
+from wedmcam.simulate.process import Leg, Mode, Stand, Way
 from wedmcam.simulate.route import Route
 
 Ints = NDArray[np.int64]
@@ -145,6 +145,15 @@ def batches(
         part = move(route, pieces[first:last], axes, setup, feeds)
         yield replace(part, time=part.time + time)
         time, axes, first = time + float(part.time[-1]), part.axes, last
+
+
+def commanded_at(route: Route, stand: Stand) -> tuple[int, int]:
+    """Return where the controller has the machine, um from the start of the program."""
+    x, y = route.place[stand.step].tolist()
+    if stand.mode is Mode.SHORTEST and stand.made:
+        leg = Leg(Way.SHORTEST, stand.step, stand.target, 0, stand.made)
+        x, y = _straight(route, leg)[2][-1].tolist()
+    return x, y
 
 
 def _steps(

@@ -8,7 +8,7 @@ from typing import Any
 
 from wedmcam.diag import Diagnostic
 from wedmcam.simulate.axis import AxisState
-from wedmcam.simulate.motion import Motion, Setup, batches
+from wedmcam.simulate.motion import Motion, Setup, batches, commanded_at
 from wedmcam.simulate.process import Leg, Mode
 from wedmcam.simulate.route import Route
 from wedmcam.simulate.state import State
@@ -103,6 +103,11 @@ class Record:
     def final_um(self) -> tuple[int, int]:
         """Where the table stands at the end, from the start of the program."""
         return table_of(self.state.axes, self.setup)
+
+    @property
+    def commanded_um(self) -> tuple[int, int]:
+        """Where the controller has the machine at the end, from the start of the program."""
+        return commanded_at(self.route, self.state.stand)
 
     def motions(self) -> Iterator[Motion]:
         """Yield every step of the run, some at a time; times from the start of the program."""

@@ -71,6 +71,7 @@ def test_without_backlash_the_machine_refuses_to_cut():
         (("--plot", "x.txt"), "a picture ends in"),
         (("--pulses", KEY), "input"),
         (("--pulses", "-"), "takes standard output"),
+        (("--scenario", "-", "--resume", "-"), "only one input"),
     ],
 )
 def test_wrong_use(line, said):
@@ -133,6 +134,60 @@ def test_the_commanded_place_of_a_straight_way_back_is_on_it(made):
     facts = run.summary
     assert facts["commanded_um"] == facts["final_um"]
     assert sum(map(abs, facts["commanded_um"])) == sum((35_650, 4_350)) - made
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_random_faults_happen_once_in_a_run_in_parts(seed):
+    """Day after day with the same seed, from one power cut to the next: the run of one go."""
+    whole = library.simulate_program(KEY, backlash=(12, 15), random=(6, seed))
+    kinds, state, passed = [], None, []
+    while True:
+        day = library.simulate_program(
+            KEY, backlash=(12, 15), random=(6, seed), resume=state, stop_at_power=True
+        )
+        assert day.ok
+        kinds += [event.kind for event in day.record.events]
+        passed += [d.values["passed"] for d in day.findings]
+        if (state := day.state) is None:
+            break
+    assert kinds == [event.kind for event in whole.record.events]
+    assert passed == sorted(passed)
+    assert day.record.state == whole.record.state
+
+
+def test_random_faults_need_a_step_that_is_cut():
+    line = bytes.fromhex("41 00 10 00 00 00 00 00")  # a positioning move of 1 mm
+    run = library.simulate_program(line, name="move.zd", backlash=(0, 0), random=(3, 0))
+    assert [d.code for d in run.findings] == ["bad-fault"]
+    assert "nothing of this program is cut" in run.findings[0].message
+
+
+def test_a_shop_has_a_feed_and_a_scenario_wins(tmp_path):
+    (tmp_path / "key.zd").write_bytes(Path(KEY).read_bytes())
+    (tmp_path / "wedmcam.toml").write_text('feed = "1.2mm"\n')
+    (tmp_path / "fast.toml").write_text("feed = 80\n")
+    for more, rate in (
+        ((), 20),
+        (("--scenario", "fast.toml"), 80),
+        (("--scenario", "fast.toml", "--feed", "2.4"), 40),
+    ):
+        facts = run("key.zd", "--backlash", "0,0", *more, cwd=tmp_path)[1]
+        assert facts["time_s"] == pytest.approx(112_600 / rate)
+
+
+def test_a_state_that_is_not_written_is_said(tmp_path):
+    done = wedmcam("simulate", KEY, *PLAY, "--state", "a.state", cwd=tmp_path)
+    assert "a.state was not written: the program is at its end" in done.stderr.decode()
+    (tmp_path / "a.state").write_text("of yesterday")
+    done = wedmcam("simulate", KEY, *PLAY, "--state", "a.state", cwd=tmp_path)
+    assert "a.state is as it was, of another run" in done.stderr.decode()
+    assert (tmp_path / "a.state").read_text() == "of yesterday"
+
+
+def test_a_scenario_that_is_no_text_says_its_line():
+    data = b"backlash = [1, 2]\n# \xff\n"
+    found = library.simulate_program(KEY, scenario=("bad.toml", data)).findings[0]
+    assert (found.code, str(found.span)) == ("bad-scenario", "bad.toml:2:3")
 
 
 def test_a_way_back_from_a_state_may_end_in_an_alarm():

@@ -46,7 +46,10 @@ def _outside(fault: Fault, route: Route, begin: Stand) -> list[Diagnostic]:
         return [error("bad-fault", text, fault.span, fault=str(fault), steps=route.steps)]
     if fault.step < begin.place:
         late = "{fault}: the run begins at step {begin}"
-        return [error("bad-fault", late, fault.span, fault=str(fault), begin=begin.place)]
+        hint = "leave out what happened before the state was saved"
+        return [
+            error("bad-fault", late, fault.span, hint=hint, fault=str(fault), begin=begin.place)
+        ]
     return []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -99,14 +100,15 @@ def _write(
     simulation: Simulation, program: str, state: str | None, pulses: str | None, plot: str | None
 ) -> str | None:
     """Write what was asked for; return the name of the state, where one is written."""
-    files: list[tuple[str, bytes]] = []
+    files: list[tuple[str, bytes | Iterable[bytes]]] = []
     saved = None
     if state is not None and simulation.state is not None:
         files.append((state, simulation.state))
         saved = state
     if simulation.record is not None:
         if pulses is not None:
-            files.append((pulses, "".join(api.pulse_lines(simulation.record)).encode("ascii")))
+            lines = api.pulse_lines(simulation.record)
+            files.append((pulses, (piece.encode("ascii") for piece in lines)))
         if plot is not None:
             files.append((plot, _picture(simulation, Path(program).name, plot)))
     write_outputs(files)

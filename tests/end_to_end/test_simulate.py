@@ -175,6 +175,22 @@ def test_a_shop_has_a_feed_and_a_scenario_wins(tmp_path):
         assert facts["time_s"] == pytest.approx(112_600 / rate)
 
 
+def test_the_report_says_how_far_it_went_back_and_how_long():
+    faults = ("short@500:60", "break@2000", "break@3000:1", "short@5000:160")
+    line = [word for fault in faults for word in ("--fault", fault)]
+    done = wedmcam("simulate", KEY, *PLAY, *line)
+    told = done.stderr.decode()
+    assert "60 um back the feed signal is there: cut on" in told
+    assert "returned to the thread point, 2000 steps the shortest way: cut on" in told
+    assert "returned to the thread point, 3000 steps along the path: cut on" in told
+    assert "ALARM: still shorted 100 um back; the machine stops" in told
+    facts = run(KEY, *PLAY, *line)[1]
+    spent = facts["seconds"]
+    back = 60 + 2000 + 3000 + 100
+    assert back * 0.005 <= spent["back"] <= (back + 100) * 0.005
+    assert sum(spent.values()) == pytest.approx(facts["time_s"])
+
+
 def test_a_state_that_is_not_written_is_said(tmp_path):
     done = wedmcam("simulate", KEY, *PLAY, "--state", "a.state", cwd=tmp_path)
     assert "a.state was not written: the program is at its end" in done.stderr.decode()

@@ -314,6 +314,7 @@ def _figures(record: Record) -> dict[str, Any]:
         "commanded_um": pair(record.commanded_um),
         "off_um": pair(record.off_um),
         "time_s": round(record.state.time_s, 6),
+        "seconds": {kind: round(value, 6) for kind, value in record.spent.items()},
         "backlash_um": pair(setup.backlash),
         "play_um": pair(setup.play),
         "approach": pair(setup.approach),

@@ -17,7 +17,7 @@ from wedmcam.diag import Diagnostic, error, warning
 from wedmcam.simulate.axis import AxisState, part_taken
 from wedmcam.simulate.checks import check_scenario
 from wedmcam.simulate.motion import Setup, batches
-from wedmcam.simulate.process import Answers, Incident, Mode, Stand, Walk, walk
+from wedmcam.simulate.process import Answers, Incident, Mode, Stand, Walk, Way, walk
 from wedmcam.simulate.record import Event, Record, Session, table_of
 from wedmcam.simulate.route import Reading, Route
 from wedmcam.simulate.scenario import Scenario
@@ -82,6 +82,7 @@ def run(
         walked=tally.walked,
         pulses=tally.pulses,
         off_um=tally.off_um,
+        seconds=dict(zip(Way, tally.seconds.tolist(), strict=True)),
     )
     return replace(record, findings=tuple(_findings(record))), []
 
@@ -94,6 +95,7 @@ class _Tally:
         self.events: list[Event] = []
         self.walked = self.pulses = 0
         self.off_um = (0, 0)
+        self.seconds = np.zeros(len(Way))
         self._seen: list[tuple[float, tuple[int, int]]] = []
 
     def watch(
@@ -110,6 +112,8 @@ class _Tally:
             times = (begin.time_s + part.time[here]).tolist()
             self._seen += zip(times, map(tuple, part.table[here].tolist()), strict=True)
             self.pulses += len(part.step) + int(part.ups.sum())
+            durations = np.diff(part.time, prepend=seconds)
+            self.seconds += np.bincount(part.ways, durations, len(Way))
             axes, seconds, walked = part.axes, float(part.time[-1]), walked + len(part.step)
         return axes, seconds
 

@@ -174,7 +174,7 @@ def _state_behind(
         k, sign = int(route.axis[step]), int(route.sign[step])
         part = part_taken(axes[k], sign, cut.pulses, setup.backlash[k], setup.play[k])
         axes = (part, axes[1]) if k == 0 else (axes[0], part)
-        time_s += cut.pulses * (setup.dry_ms or setup.return_ms) / 1000
+        time_s += cut.pulses * setup.take_up_s
     return _state(route, path.stand, axes, setup, time_s)
 
 

@@ -18,7 +18,7 @@ from wedmcam.reports.picture.curves import Points, Samples, Trail, polyline, str
 from wedmcam.reports.picture.page import page
 from wedmcam.reports.picture.sheet import GREY, INK, nice, number, words
 from wedmcam.simulate.motion import Motion
-from wedmcam.simulate.process import Way
+from wedmcam.simulate.process import WAYS, Way
 from wedmcam.simulate.record import Event, Record, table_of
 
 Floats = NDArray[np.float64]
@@ -39,7 +39,6 @@ APART = 0.3
 STRAIGHT, MANY = 200, 20
 PAD = 30.0
 
-_WAYS = list(Way)
 #: Kind of a way -> colour and width of its line, and what the legend calls it.
 STYLES = {
     Way.CUT: ("#c1121f", 1.5, "cut"),
@@ -136,12 +135,12 @@ class _Curves:
         reached, runs = began.stand.step, 0
         place = np.array([table_of(began.axes, record.setup)])
         for part in record.motions():
-            forward = np.isin(part.ways, [_WAYS.index(way) for way in self.table])
+            forward = np.isin(part.ways, [WAYS.index(way) for way in self.table])
             highest = np.maximum.accumulate(np.where(forward, part.step, reached))
             first_time = part.step > np.concatenate([[reached], highest[:-1]])
             table = np.concatenate([place, part.table])
             for way, trail in self.table.items():
-                for first, last in stretches(first_time & (part.ways == _WAYS.index(way))):
+                for first, last in stretches(first_time & (part.ways == WAYS.index(way))):
                     trail.add(table[first : last + 1] / 1000)
             run = runs + np.cumsum(np.diff(part.ways, prepend=part.ways[:1]) != 0)
             self._count(part, j[part.step], run)
@@ -149,7 +148,7 @@ class _Curves:
 
     def _count(self, part: Motion, j: Ints, run: Ints) -> None:
         for way in Way:
-            rows = part.ways == _WAYS.index(way)
+            rows = part.ways == WAYS.index(way)
             if rows.any():
                 for samples in (self.whole, self.near):
                     if samples:

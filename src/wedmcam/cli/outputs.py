@@ -110,10 +110,16 @@ def map_bytes(data: dict[str, Any]) -> bytes:
 
 def picture(of: Compilation | Inspection | Proof, title: str, name: str) -> bytes:
     """Return the picture as the bytes of the format that its name tells."""
-    if Path(name).suffix.lower() == ".html":
-        return api.plot_html(of, title).encode("utf-8")
-    svg = api.plot(of, title)
-    if Path(name).suffix.lower() != ".png":
+    return picture_bytes(name, lambda: api.plot(of, title), lambda: api.plot_html(of, title))
+
+
+def picture_bytes(name: str, as_svg: Callable[[], str], as_html: Callable[[], str]) -> bytes:
+    """Return a picture as the bytes of the format that its name tells; a PNG is made of the SVG."""
+    suffix = Path(name).suffix.lower()
+    if suffix == ".html":
+        return as_html().encode("utf-8")
+    svg = as_svg()
+    if suffix != ".png":
         return svg.encode("utf-8")
     import resvg_py  # a large library, for PNG alone
 

@@ -14,7 +14,6 @@ from typing import Any
 from wedmcam.diag import Diagnostic, FileSpan, TextSpan, error, has_errors, note
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
-from wedmcam.ir.program import Program
 from wedmcam.judge.certificate import finding_data
 from wedmcam.machines import Machine, reading
 from wedmcam.operations.profiles import reader_machine
@@ -134,11 +133,10 @@ def simulate_program(
     run = Run(strict)
     record: Record | None = None
     try:
-        program = run("read", _read_program(data, name, controller))
+        route = run("read", _read_route(data, name, controller))
         if scenario is not None:
             stated_there = run("scenario", stated_in(*_named(scenario, "scenario")))
             conditions = conditions.over(stated_there)
-        route = lay(program, reading(CONTROLLERS[controller]).stepping)
         state = None if resume is None else run("state", _resumed(*_named(resume, "state"), route))
         setup = run("enter", _entered(conditions, state, name))
         happens = run("enter", _scenario_of(conditions, route, state))
@@ -164,20 +162,21 @@ def _fault(text: str | Fault) -> Fault:
     return fault
 
 
-def _read_program(
-    data: bytes, name: str, controller: str
-) -> tuple[Program | None, list[Diagnostic]]:
-    """Return the program as the controller reads it: of another format only why not."""
-    wanted = CONTROLLERS[controller]
-    machine = reader_machine(data, name, None, None)
-    if machine != reading(wanted):
-        return None, [_other_format(machine, name)]
+def _read_route(data: bytes, name: str, controller: str) -> tuple[Route | None, list[Diagnostic]]:
+    """Return the route of a program as the controller reads it: of another format only why not."""
     # The built-in profile: the frame of the controller, whose axes nothing exchanges.
-    program, findings = target_of(reading(wanted)).read(data, name, Entries())
-    if not has_errors(findings) and not len(lay(program, machine.stepping).axis):
+    wanted = reading(CONTROLLERS[controller])
+    machine = reader_machine(data, name, None, None)
+    if machine != wanted:
+        return None, [_other_format(machine, name)]
+    program, findings = target_of(wanted).read(data, name, Entries())
+    if has_errors(findings):
+        return None, list(findings)
+    route = lay(program, wanted.stepping)
+    if not route.steps:
         found = error("empty-program", "the program makes no step", FileSpan(name))
         return None, [*findings, found]
-    return program, list(findings)
+    return route, list(findings)
 
 
 def _other_format(machine: Machine, name: str) -> Diagnostic:

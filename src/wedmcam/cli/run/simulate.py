@@ -11,7 +11,7 @@ import click
 from wedmcam import api
 from wedmcam.cli import simulated
 from wedmcam.cli.files import read_input, read_program, shown_name, write_outputs
-from wedmcam.cli.outputs import check_names, check_picture
+from wedmcam.cli.outputs import check_names, check_picture, picture_bytes
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import typed
 from wedmcam.cli.terminal import print_findings, print_json, print_text
@@ -110,7 +110,11 @@ def _write(
             lines = api.pulse_lines(simulation.record)
             files.append((pulses, (piece.encode("ascii") for piece in lines)))
         if plot is not None:
-            files.append((plot, _picture(simulation, Path(program).name, plot)))
+            of = simulation.record, Path(program).name
+            image = picture_bytes(
+                plot, lambda: api.plot_run(*of), lambda: api.plot_run_html(*of)
+            )
+            files.append((plot, image))
     write_outputs(files)
     for name in (pulses, plot):
         if name is not None and simulation.record is None:
@@ -123,17 +127,3 @@ def _print_no_state(simulation: Simulation, state: str) -> None:
     why = "nothing was run" if simulation.record is None else "the program is at its end"
     left = f"; {state} is as it was, of another run" if Path(state).exists() else ""
     print_text(f"{state} was not written: {why}{left}", err=True)
-
-
-def _picture(simulation: Simulation, title: str, name: str) -> bytes:
-    """Return the picture of a run as the bytes of the format that its name tells."""
-    assert simulation.record is not None
-    suffix = Path(name).suffix.lower()
-    if suffix == ".html":
-        return api.plot_run_html(simulation.record, title).encode("utf-8")
-    svg = api.plot_run(simulation.record, title)
-    if suffix != ".png":
-        return svg.encode("utf-8")
-    import resvg_py  # a large library, for PNG alone
-
-    return bytes(resvg_py.svg_to_bytes(svg_string=svg, zoom=2))

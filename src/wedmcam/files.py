@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import secrets
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -61,8 +61,10 @@ def remove_unfinished() -> None:
             os.unlink(UNFINISHED.pop())
 
 
-def write_files(outputs: Sequence[tuple[str, bytes]]) -> None:
+def write_files(outputs: Sequence[tuple[str, bytes | Iterable[bytes]]]) -> None:
     """Write all files beside their places, then rename them; ``-`` is standard output.
+
+    An output may come in pieces: there may be more of it than memory.
 
     Raises:
         FileError: nothing was replaced.
@@ -78,7 +80,7 @@ def write_files(outputs: Sequence[tuple[str, bytes]]) -> None:
             beside.append((draft, str(place), name))
             UNFINISHED.add(draft)
             with open(draft, "xb") as file:
-                file.write(data)
+                file.writelines(_pieces(data))
             os.chmod(draft, _mode(place))
         for draft, place_name, name in beside:  # noqa: B007 - named where it fails
             os.replace(draft, place_name)
@@ -89,15 +91,19 @@ def write_files(outputs: Sequence[tuple[str, bytes]]) -> None:
     for name, data in outputs:
         try:
             if name == "-":
-                sys.stdout.buffer.write(data)
+                sys.stdout.buffer.writelines(_pieces(data))
                 sys.stdout.buffer.flush()
             elif _is_device(name):
                 with open(name, "wb") as device:
-                    device.write(data)
+                    device.writelines(_pieces(data))
         except BrokenPipeError:
             raise
         except OSError as why:
             raise FileError(f"{name}: cannot be written: {why.strerror}") from why
+
+
+def _pieces(data: bytes | Iterable[bytes]) -> Iterable[bytes]:
+    return [data] if isinstance(data, bytes) else data
 
 
 def _is_device(name: str) -> bool:

@@ -16,6 +16,7 @@ from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.simulate.read import read_scenario
 from wedmcam.simulate.ring import PATTERNS
 from wedmcam.simulate.route import lay
+from wedmcam.simulate.scenario import Fault, Trouble
 from wedmcam.simulate.state import check_state, read_state
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -70,6 +71,7 @@ def test_without_backlash_the_machine_refuses_to_cut():
         (("--plot", "x.txt"), "a picture ends in"),
         (("--pulses", KEY), "input"),
         (("--pulses", "-"), "takes standard output"),
+        (("--scenario", "-", "--resume", "-"), "only one input"),
     ],
 )
 def test_wrong_use(line, said):
@@ -103,6 +105,116 @@ def test_a_state_goes_on_the_next_day(tmp_path):
     assert "backlash is 3,3 here and 12,15 in the state" in other.stderr.decode()
     early = run(KEY, "--resume", "a.state", "--fault", "power@5", cwd=tmp_path)
     assert "the run begins at step 60000" in early[2]
+
+
+#: Block 2 turns y back first behind this step of the key: its 15 um are taken up there.
+TURN = 2900
+
+
+def test_play_is_taken_up_once_however_often_the_power_fails():
+    cuts = (f"power@{TURN}+5", f"power@{TURN}+10")
+    whole = library.simulate_program(KEY, backlash=(12, 15))
+    run = library.simulate_program(KEY, backlash=(12, 15), faults=cuts)
+    assert run.ok
+    assert run.record.pulses == whole.record.pulses
+    more = library.simulate_program(KEY, backlash=(12, 15), faults=(cuts[0], f"power@{TURN}+11"))
+    assert [d.code for d in more.findings] == ["bad-fault"]
+    assert "+11: 10 steps of play are taken up there" in more.findings[0].message
+    first = library.simulate_program(KEY, backlash=(12, 15), faults=cuts[:1], stop_at_power=True)
+    for left, codes in ((10, []), (11, ["bad-fault"])):
+        rest = library.simulate_program(KEY, resume=first.state, faults=[f"power@{TURN}+{left}"])
+        assert [d.code for d in rest.findings] == codes
+
+
+@pytest.mark.parametrize("made", [0, 1, 4999, 5000])
+def test_the_commanded_place_of_a_straight_way_back_is_on_it(made):
+    """With backlash = play the table is where the controller has it, on that way too."""
+    fault = Fault(Trouble.BREAK, 40_000, cut_after=made)
+    run = library.simulate_program(KEY, backlash=(12, 15), faults=[fault], stop_at_power=True)
+    facts = run.summary
+    assert facts["commanded_um"] == facts["final_um"]
+    assert sum(map(abs, facts["commanded_um"])) == sum((35_650, 4_350)) - made
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_random_faults_happen_once_in_a_run_in_parts(seed):
+    """Day after day with the same seed, from one power cut to the next: the run of one go."""
+    whole = library.simulate_program(KEY, backlash=(12, 15), random=(6, seed))
+    kinds, state, passed = [], None, []
+    while True:
+        day = library.simulate_program(
+            KEY, backlash=(12, 15), random=(6, seed), resume=state, stop_at_power=True
+        )
+        assert day.ok
+        kinds += [event.kind for event in day.record.events]
+        passed += [d.values["passed"] for d in day.findings]
+        if (state := day.state) is None:
+            break
+    assert kinds == [event.kind for event in whole.record.events]
+    assert passed == sorted(passed)
+    assert day.record.state == whole.record.state
+
+
+def test_random_faults_need_a_step_that_is_cut():
+    line = bytes.fromhex("41 00 10 00 00 00 00 00")  # a positioning move of 1 mm
+    run = library.simulate_program(line, name="move.zd", backlash=(0, 0), random=(3, 0))
+    assert [d.code for d in run.findings] == ["bad-fault"]
+    assert "nothing of this program is cut" in run.findings[0].message
+
+
+def test_a_shop_has_a_feed_and_a_scenario_wins(tmp_path):
+    (tmp_path / "key.zd").write_bytes(Path(KEY).read_bytes())
+    (tmp_path / "wedmcam.toml").write_text('feed = "1.2mm"\n')
+    (tmp_path / "fast.toml").write_text("feed = 80\n")
+    for more, rate in (
+        ((), 20),
+        (("--scenario", "fast.toml"), 80),
+        (("--scenario", "fast.toml", "--feed", "2.4"), 40),
+    ):
+        facts = run("key.zd", "--backlash", "0,0", *more, cwd=tmp_path)[1]
+        assert facts["time_s"] == pytest.approx(112_600 / rate)
+
+
+def test_the_report_says_how_far_it_went_back_and_how_long():
+    faults = ("short@500:60", "break@2000", "break@3000:1", "short@5000:160")
+    line = [word for fault in faults for word in ("--fault", fault)]
+    done = wedmcam("simulate", KEY, *PLAY, *line)
+    told = done.stderr.decode()
+    assert "60 um back the feed signal is there: cut on" in told
+    assert "returned to the thread point, 2000 steps the shortest way: cut on" in told
+    assert "returned to the thread point, 3000 steps along the path: cut on" in told
+    assert "ALARM: still shorted 100 um back; the machine stops" in told
+    facts = run(KEY, *PLAY, *line)[1]
+    spent = facts["seconds"]
+    back = 60 + 2000 + 3000 + 100
+    assert back * 0.005 <= spent["back"] <= (back + 100) * 0.005
+    assert sum(spent.values()) == pytest.approx(facts["time_s"])
+
+
+def test_a_state_that_is_not_written_is_said(tmp_path):
+    done = wedmcam("simulate", KEY, *PLAY, "--state", "a.state", cwd=tmp_path)
+    assert "a.state was not written: the program is at its end" in done.stderr.decode()
+    (tmp_path / "a.state").write_text("of yesterday")
+    done = wedmcam("simulate", KEY, *PLAY, "--state", "a.state", cwd=tmp_path)
+    assert "a.state is as it was, of another run" in done.stderr.decode()
+    assert (tmp_path / "a.state").read_text() == "of yesterday"
+
+
+def test_a_scenario_that_is_no_text_says_its_line():
+    data = b"backlash = [1, 2]\n# \xff\n"
+    found = library.simulate_program(KEY, scenario=("bad.toml", data)).findings[0]
+    assert (found.code, str(found.span)) == ("bad-scenario", "bad.toml:2:3")
+
+
+def test_a_way_back_from_a_state_may_end_in_an_alarm():
+    short = Fault(Trouble.SHORT, 5000, length=160, cut_after=30)
+    first = library.simulate_program(KEY, backlash=(12, 15), faults=[short], stop_at_power=True)
+    assert first.record.state.stand.step == 4970
+    rest = library.simulate_program(KEY, resume=first.state)
+    assert [d.code for d in rest.findings] == ["alarm"]
+    assert rest.record.state.stand.step == 4900
+    assert "still there" in rest.findings[0].message
+    assert library.simulate_program(KEY, resume=rest.state).record.final_um == (0, 0)
 
 
 def test_after_an_alarm_the_operator_goes_on(tmp_path):

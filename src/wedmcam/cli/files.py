@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import click
 
@@ -88,7 +88,7 @@ def check_outputs(inputs: Sequence[str], outputs: Sequence[str]) -> None:
         raise click.UsageError("only one output can be standard output")
 
 
-def write_outputs(outputs: Sequence[tuple[str, bytes]]) -> None:
+def write_outputs(outputs: Sequence[tuple[str, bytes | Iterable[bytes]]]) -> None:
     """Write all files or none; ``-`` is standard output.
 
     Raises:

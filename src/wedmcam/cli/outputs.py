@@ -110,14 +110,18 @@ def map_bytes(data: dict[str, Any]) -> bytes:
 
 def picture(of: Compilation | Inspection | Proof, title: str, name: str) -> bytes:
     """Return the picture as the bytes of the format that its name tells."""
-    if Path(name).suffix.lower() == ".html":
-        return api.plot_html(of, title).encode("utf-8")
-    return picture_bytes(api.plot(of, title), name)
+    return picture_bytes(name, lambda: api.plot(of, title), lambda: api.plot_html(of, title))
 
 
-def picture_bytes(svg: str, name: str) -> bytes:
-    """Return a picture as SVG or as PNG, as its name tells."""
-    if Path(name).suffix.lower() != ".png":
+def picture_bytes(
+    name: str, as_svg: Callable[[], str], as_html: Callable[[], str] | None = None
+) -> bytes:
+    """Return a picture as the bytes of the format that its name tells; a PNG is made of the SVG."""
+    suffix = Path(name).suffix.lower()
+    if suffix == ".html" and as_html is not None:
+        return as_html().encode("utf-8")
+    svg = as_svg()
+    if suffix != ".png":
         return svg.encode("utf-8")
     import resvg_py  # a large library, for PNG alone
 

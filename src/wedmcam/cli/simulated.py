@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
+from itertools import accumulate
 from typing import Any
 
 from wedmcam.cli.terminal import print_text
 from wedmcam.operations.simulate import Simulation
 from wedmcam.reports.picture.simulation import hours
+from wedmcam.simulate.process import Way
 from wedmcam.simulate.record import Event, Record
 
 #: So many events are listed without -v, half of them the first ones and half the last.
@@ -66,17 +68,17 @@ def _approach(record: Record) -> str:
 
 def _print_events(record: Record, verbose: bool) -> None:
     """Print the events, or the first and last of many."""
-    rows = list(enumerate(record.events, 1))
+    rows = list(_told(record))
     left = len(rows) - LISTED
     if verbose or left <= 0:
         shown, rest = rows, []
     else:
         shown, rest = rows[: LISTED // 2], rows[-LISTED // 2 :]
     head = ("", "time", "step", "block", "J", "x mm", "y mm", "event")
-    lines = [(str(n), *_row(event)) for n, event in shown]
+    lines = [_row(n, event, what) for n, event, what in shown]
     if rest:
         lines.append(("...", "", "", "", "", "", "", f"{left} more; -v lists all"))
-        lines += [(str(n), *_row(event)) for n, event in rest]
+        lines += [_row(n, event, what) for n, event, what in rest]
     widths = [max(map(len, column)) for column in zip(head, *lines, strict=True)]
     for line in (head, *lines):
         *cells, what = line
@@ -84,15 +86,45 @@ def _print_events(record: Record, verbose: bool) -> None:
         print_text(f"{text}  {what}", err=True)
 
 
-def _row(event: Event) -> tuple[str, ...]:
+def _told(record: Record) -> Iterator[tuple[int, Event, str]]:
+    """Yield events with their numbers, and what happened as a sentence."""
+    legs = [leg for session in record.sessions for leg in session.legs]
+    ends = accumulate(leg.steps for leg in legs)
+    straight = {end for leg, end in zip(legs, ends, strict=True) if leg.way is Way.SHORTEST}
+    fault: Event | None = None
+    for n, event in enumerate(record.events, 1):
+        if event.kind in ("short", "break"):
+            fault = event
+        # Who goes on from a state of the way back does not know where that began.
+        steps = None if fault is None else event.walked - fault.walked
+        yield n, event, _SENTENCES[event.kind].format(**_filled(event, steps, straight))
+        if event.kind in ("clear", "alarm", "back"):
+            fault = None
+
+
+def _row(n: int, event: Event, what: str) -> tuple[str, ...]:
     x, y = (f"{um / 1000 + 0.0:.3f}" for um in event.table_um)
-    what = _SENTENCES[event.kind].format(**_filled(event.more))
-    return hours(event.time_s), str(event.step), str(event.block), str(event.j), x, y, what
+    cells = hours(event.time_s), str(event.step), str(event.block), str(event.j), x, y
+    return str(n), *cells, what
 
 
-def _filled(more: Mapping[str, Any]) -> dict[str, Any]:
-    cut = more.get("pulses", 0)
-    return {**more, "within": f", behind {cut} steps of taking up play" if cut else ""}
+def _filled(event: Event, steps: int | None, straight: set[int]) -> dict[str, Any]:
+    """Return what the sentence of an event says.
+
+    Args:
+        event: itself.
+        steps: from the fault until then; None where that is not known.
+        straight: where the shortest ways back end, in steps walked.
+    """
+    cut = event.more.get("pulses", 0)
+    way = "the shortest way" if event.walked in straight else "along the path"
+    return {
+        **event.more,
+        "within": f", behind {cut} steps of taking up play" if cut else "",
+        "gone": "" if steps is None else f"{steps} um back ",
+        "still": "" if steps is None else f" {steps} um back",
+        "way": "" if steps is None else f", {steps} steps {way}",
+    }
 
 
 #: What happened, as a sentence.
@@ -100,11 +132,11 @@ _SENTENCES = {
     "pause": "pause",
     "thread-point": "thread point: the machine stops",
     "short": "short circuit: no feed signal; {length} um back it is free",
-    "clear": "the feed signal is back: cut on",
-    "alarm": "ALARM: still shorted; the machine stops",
+    "clear": "{gone}the feed signal is there: cut on",
+    "alarm": "ALARM: still shorted{still}; the machine stops",
     "clear-alarm": "the fault is cleared: cut on",
     "break": "ALARM: the wire is broken",
-    "back": "returned to {where}: cut on",
+    "back": "returned to {where}{way}: cut on",
     "power-cut": "the power fails{within}; the state is saved",
     "resume": "resume from the saved state",
     "end": "end of the program",
@@ -114,8 +146,7 @@ _SENTENCES = {
 def _print_end(record: Record) -> None:
     """Print where a run ended, and what it took."""
     x, y = (f"{um / 1000 + 0.0:.3f}" for um in record.final_um)
-    place = record.route.place[record.state.stand.step]
-    px, py = (f"{int(um) / 1000 + 0.0:.3f}" for um in place)
+    px, py = (f"{um / 1000 + 0.0:.3f}" for um in record.commanded_um)
     motors = " ".join(f"{k} {axis.motor}" for k, axis in zip("XY", record.state.axes, strict=True))
     off = max(record.off_um)
     exact = "exact at every step" if not off else f"off the path by up to {off} um"
@@ -132,3 +163,6 @@ def _print_end(record: Record) -> None:
         f"{taken} more to take up play",
         err=True,
     )
+    spent = [f"{kind} {hours(value)}" for kind, value in record.spent.items() if value]
+    if len(spent) > 1:
+        print_text(f"{'':11}{', '.join(spent)}", err=True)

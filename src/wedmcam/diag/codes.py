@@ -1278,6 +1278,11 @@ CODES: dict[str, Code] = {
         "It would be left out, and the run would seem to have stood it.",
         "State a step that the program makes, with the generator on for shorts and breaks.",
     ),
+    "fault-passed": Code(
+        "A run goes on from a saved state, and some of its random faults happened before that.",
+        "The same seed draws the same faults: a run in two parts has each of them once.",
+        "Nothing is to be done; another --seed draws other faults.",
+    ),
     "bad-state": Code(
         "The saved state of a controller is damaged, or contradicts the program.",
         "A machine that goes on from a wrong place cuts into the part.",

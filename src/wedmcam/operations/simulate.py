@@ -11,10 +11,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from wedmcam.diag import Diagnostic, FileSpan, error, has_errors
+from wedmcam.diag import Diagnostic, FileSpan, TextSpan, error, has_errors, note
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
-from wedmcam.ir.program import Program
 from wedmcam.judge.certificate import finding_data
 from wedmcam.machines import Machine, reading
 from wedmcam.operations.profiles import reader_machine
@@ -143,14 +142,13 @@ def simulate_program(
     run = Run(strict)
     record: Record | None = None
     try:
-        program = run("read", _read_program(data, name, controller))
+        route = run("read", _read_route(data, name, controller))
         if scenario is not None:
-            stated_there = run("scenario", _read_scenario(*_named(scenario, "scenario")))
+            stated_there = run("scenario", stated_in(*_named(scenario, "scenario")))
             conditions = conditions.over(stated_there)
-        route = lay(program, reading(CONTROLLERS[controller]).stepping)
         state = None if resume is None else run("state", _resumed(*_named(resume, "state"), route))
         setup = run("enter", _entered(conditions, state, name))
-        happens = _scenario_of(conditions, route)
+        happens = run("enter", _scenario_of(conditions, route, state))
         ran = zd065.run(route, happens, setup, state, stop_at_power=stop_at_power, feeder=feeding)
         record = run("run", ran)
         run.add("run", record.findings)
@@ -175,20 +173,21 @@ def _fault(text: str | Fault) -> Fault:
     return fault
 
 
-def _read_program(
-    data: bytes, name: str, controller: str
-) -> tuple[Program | None, list[Diagnostic]]:
-    """Return the program as the controller reads it: of another format only why not."""
-    wanted = CONTROLLERS[controller]
-    machine = reader_machine(data, name, None, None)
-    if machine != reading(wanted):
-        return None, [_other_format(machine, name)]
+def _read_route(data: bytes, name: str, controller: str) -> tuple[Route | None, list[Diagnostic]]:
+    """Return the route of a program as the controller reads it: of another format only why not."""
     # The built-in profile: the frame of the controller, whose axes nothing exchanges.
-    program, findings = target_of(reading(wanted)).read(data, name, Entries())
-    if not has_errors(findings) and not len(lay(program, machine.stepping).axis):
+    wanted = reading(CONTROLLERS[controller])
+    machine = reader_machine(data, name, None, None)
+    if machine != wanted:
+        return None, [_other_format(machine, name)]
+    program, findings = target_of(wanted).read(data, name, Entries())
+    if has_errors(findings):
+        return None, list(findings)
+    route = lay(program, wanted.stepping)
+    if not route.steps:
         found = error("empty-program", "the program makes no step", FileSpan(name))
         return None, [*findings, found]
-    return program, list(findings)
+    return route, list(findings)
 
 
 def _other_format(machine: Machine, name: str) -> Diagnostic:
@@ -216,11 +215,19 @@ def _named(source: Source | Named, usual: str) -> Named:
     return name, data
 
 
-def _read_scenario(name: str, data: bytes) -> tuple[Conditions | None, list[Diagnostic]]:
+def stated_in(name: str, data: bytes) -> tuple[Conditions | None, list[Diagnostic]]:
+    """Return what a scenario file states, or what is wrong with it.
+
+    Args:
+        name: of the file, for the spans.
+        data: any bytes; never raises.
+    """
     try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError:
-        return None, [error("bad-scenario", "the file is no text in UTF-8", FileSpan(name))]
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as wrong:
+        line = data.count(b"\n", 0, wrong.start) + 1
+        span = TextSpan(name, line, wrong.start - data.rfind(b"\n", 0, wrong.start))
+        return None, [error("bad-scenario", "the file is no text in UTF-8", span)]
     return read_scenario(text, name)
 
 
@@ -278,9 +285,26 @@ def _shown(value: Any) -> str:
     return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
-def _scenario_of(c: Conditions, route: Route) -> Scenario:
+def _scenario_of(
+    c: Conditions, route: Route, state: State | None
+) -> tuple[Scenario, list[Diagnostic]]:
+    """Return what happens, and what to say of random faults.
+
+    A run that goes on from a power cut draws what the one before drew, and has had the first ones.
+    """
     random = () if c.random is None else drawn(c.random[1], c.random[0], route)
-    return scenario_of((*c.faults, *random), c.feeds)
+    findings = []
+    if c.random is not None and not random:
+        text = "nothing of this program is cut: no random fault can happen"
+        findings = [error("bad-fault", text)]
+    if state is not None and random:
+        begin = state.stand.step
+        count = len(random)
+        random = tuple(fault for fault in random if fault.step > begin)
+        if passed := count - len(random):
+            text = "{passed} of {drawn} random faults happened up to step {begin}, before this run"
+            findings = [note("fault-passed", text, None, passed=passed, drawn=count, begin=begin)]
+    return scenario_of((*c.faults, *random), c.feeds), findings
 
 
 def _figures(record: Record) -> dict[str, Any]:
@@ -297,9 +321,10 @@ def _figures(record: Record) -> dict[str, Any]:
         "take_up_pulses": record.pulses - record.walked,
         "final_um": pair(record.final_um),
         "motor_um": [x.motor, y.motor],
-        "commanded_um": route.place[record.state.stand.step].tolist(),
+        "commanded_um": pair(record.commanded_um),
         "off_um": pair(record.off_um),
         "time_s": round(record.state.time_s, 6),
+        "seconds": {kind: round(value, 6) for kind, value in record.spent.items()},
         "backlash_um": pair(setup.backlash),
         "play_um": pair(setup.play),
         "approach": pair(setup.approach),

@@ -99,7 +99,7 @@ def _happen(panel: Panel, name: str, numbers: list[int]) -> list[Shown]:
 
 
 def play_script(panel: Panel, script: str, name: str) -> Iterator[Line | Diagnostic]:
-    """Yield what came of each line of a script, up to one that nobody knows: a finding."""
+    """Yield what came of each line of a script; a finding on an unknown line ends it."""
     for number, text in enumerate(script.splitlines(), 1):
         if not text.strip() or text.lstrip().startswith("#"):
             continue

@@ -60,8 +60,7 @@ def _piece(part: Motion, motors: Ints, began: float, setup: Setup, number: int) 
     nth = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
     last = nth == counts[row]
     start = np.concatenate([[began], part.time[:-1]])[row]
-    delay = (setup.dry_ms or setup.return_ms) / 1000
-    time = np.where(last, part.time[row], start + nth * delay)
+    time = np.where(last, part.time[row], start + nth * setup.take_up_s)
     sign, axis = part.sign.astype(np.int64)[row], part.axis[row]
     before = np.concatenate([motors[None], part.motor[:-1]])[row]
     phases = [before[:, k] + np.where(axis == k, sign * nth, 0) for k in range(2)]
@@ -76,7 +75,7 @@ def _cut_take_up(
     axis = int(abs(ways).argmax())
     count, sign = int(abs(ways[axis])), int(np.sign(ways[axis]))
     nth = np.arange(1, count + 1)
-    time = began + nth.astype(np.float64) * ((setup.dry_ms or setup.return_ms) / 1000)
+    time = began + nth.astype(np.float64) * setup.take_up_s
     phases = [motors[k] + (sign * nth if k == axis else 0 * nth) for k in range(2)]
     whole = np.ones(count, np.int64)
     return _lines(number, time, axis * whole, sign * whole, whole == 1, phases), count

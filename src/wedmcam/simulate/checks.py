@@ -9,10 +9,11 @@ from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Answers, Stand, steps_back, way_back
 from wedmcam.simulate.route import Route
 from wedmcam.simulate.scenario import Fault, Scenario, Trouble
+from wedmcam.simulate.state import State
 
 
 def check_scenario(
-    scenario: Scenario, route: Route, answers: Answers, setup: Setup, begin: Stand
+    scenario: Scenario, route: Route, answers: Answers, setup: Setup, begin: State
 ) -> list[Diagnostic]:
     """Return an error for each fault and feed that cannot happen.
 
@@ -21,18 +22,22 @@ def check_scenario(
         route: of its program.
         answers: of the controller.
         setup: of the machine.
-        begin: where the run begins.
+        begin: of the run.
     """
-    return [
-        d
-        for fault in scenario.faults
-        for d in (
-            _outside(fault, route, begin)
+    # Play that is taken up before one power cut is not taken up again before the next one there.
+    taken: dict[int, int] = {}
+    out = []
+    for fault in scenario.faults:
+        out += (
+            _outside(fault, route, begin.stand)
             or _generator_off(fault, route, setup)
             or _not_reached(fault, route)
-            or _power(fault, route, answers, setup)
+            or _take_up(fault, route, setup, begin, taken.get(fault.step, 0))
+            or _way_back(fault, route, answers)
         )
-    ]
+        if fault.pulses:
+            taken[fault.step] = taken.get(fault.step, 0) + fault.pulses
+    return out
 
 
 def _outside(fault: Fault, route: Route, begin: Stand) -> list[Diagnostic]:
@@ -41,7 +46,10 @@ def _outside(fault: Fault, route: Route, begin: Stand) -> list[Diagnostic]:
         return [error("bad-fault", text, fault.span, fault=str(fault), steps=route.steps)]
     if fault.step < begin.place:
         late = "{fault}: the run begins at step {begin}"
-        return [error("bad-fault", late, fault.span, fault=str(fault), begin=begin.place)]
+        hint = "leave out what happened before the state was saved"
+        return [
+            error("bad-fault", late, fault.span, hint=hint, fault=str(fault), begin=begin.place)
+        ]
     return []
 
 
@@ -56,8 +64,10 @@ def _generator_off(fault: Fault, route: Route, setup: Setup) -> list[Diagnostic]
 
 
 def _not_reached(fault: Fault, route: Route) -> list[Diagnostic]:
+    if fault.block is None:
+        return []
     reached = route.reading(fault.step).block
-    if fault.block is None or fault.block <= reached:
+    if fault.block <= reached:
         return []
     text = (
         "{fault}: the machine is in block {reached} there; it returns only to the start of a block "
@@ -66,12 +76,28 @@ def _not_reached(fault: Fault, route: Route) -> list[Diagnostic]:
     return [error("bad-fault", text, fault.span, fault=str(fault), reached=reached)]
 
 
-def _power(fault: Fault, route: Route, answers: Answers, setup: Setup) -> list[Diagnostic]:
-    if fault.pulses:
-        most = take_up_behind(route, fault.step, setup)
-        if fault.pulses > most:
-            text = "{fault}: {most} steps of play are taken up there"
-            return [error("bad-fault", text, fault.span, fault=str(fault), most=most)]
+def _take_up(
+    fault: Fault, route: Route, setup: Setup, begin: State, taken: int
+) -> list[Diagnostic]:
+    if not fault.pulses:
+        return []
+    most = _left(route, fault.step, setup, begin) - taken
+    if fault.pulses <= most:
+        return []
+    text = "{fault}: {most} steps of play are taken up there"
+    return [error("bad-fault", text, fault.span, fault=str(fault), most=most)]
+
+
+def _left(route: Route, step: int, setup: Setup, begin: State) -> int:
+    """Return how much play is still to be taken up behind a step when the run comes to it."""
+    if step == begin.stand.step and step < route.steps:
+        axis = begin.axes[int(route.axis[step])]
+        if axis.left and axis.direction == route.sign[step]:
+            return axis.left
+    return take_up_behind(route, step, setup)
+
+
+def _way_back(fault: Fault, route: Route, answers: Answers) -> list[Diagnostic]:
     after = fault.cut_after
     if after is not None and fault.trouble is not Trouble.POWER:
         back = steps_back(route, way_back(route, answers, fault))

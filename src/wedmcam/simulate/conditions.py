@@ -1,13 +1,12 @@
 """Under what a run takes place, as far as it is stated: by options, by a scenario file, by a state.
 
-Each of them may leave out what another says; what nobody says is usual. `setup_of` makes of it what
-the motors need.
+Each may leave out what another says, and what none says is as usual. `setup_of` returns the machine
+that follows from it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any
 
 from wedmcam.simulate.motion import Setup
@@ -67,10 +66,6 @@ class Conditions:
             else:
                 values[one.name] = theirs if mine is None else mine
         return Conditions(**values)
-
-    def with_faults(self, faults: Sequence[Fault]) -> Conditions:
-        """Return these conditions with more faults."""
-        return replace(self, faults=(*self.faults, *faults))
 
 
 def setup_of(c: Conditions, backlash: Pair) -> Setup:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.ir.program import BLOCK
 from wedmcam.simulate.axis import AxisState, at_start, drive
-from wedmcam.simulate.process import Leg, Way
+from wedmcam.simulate.process import WAYS, Leg, Mode, Stand, Way
 from wedmcam.simulate.route import Route
 
 Ints = NDArray[np.int64]
@@ -23,8 +23,6 @@ Floats = NDArray[np.float64]
 
 #: Steps computed at a time: some 100 MB.
 BATCH = 1_000_000
-
-_WAYS = list(Way)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +47,11 @@ class Setup:
     return_ms: int = 5
     dry_ms: int | None = None
 
+    @property
+    def take_up_s(self) -> float:
+        """Delay of a step that takes up play, s."""
+        return (self.dry_ms or self.return_ms) / 1000
+
     def at_start(self) -> tuple[AxisState, AxisState]:
         """Return both axes at the start of the program."""
         x, y = (at_start(self.approach[k], self.true_approach[k], self.play[k]) for k in range(2))
@@ -64,7 +67,7 @@ class Motion:
         sign: +1 or -1.
         step: number of the place on the route behind it; while it goes straight to a thread point,
             of the place where it left the path.
-        ways: of every step, the index of its kind in `Way`.
+        ways: of every step, the index of its kind in `WAYS`.
         ups: take-up steps that are made before it.
         commanded: where the controller has it, shape (n, 2).
         motor: steps of the motors, net, shape (n, 2).
@@ -118,7 +121,7 @@ def move(
         # The table is at 0 at the start of the program, whichever end of the play it came from.
         table[:, k] = at - (0 if setup.true_approach[k] > 0 else setup.play[k])
         ends.append(end)
-    ways = np.array([_WAYS.index(one.way) for one in legs], dtype=np.uint8)[leg]
+    ways = np.array([WAYS.index(one.way) for one in legs], dtype=np.uint8)[leg]
     seconds = _durations(ways, step, ups, setup, feeds)
     time = np.cumsum(_as_served(legs, lengths, seconds, ups, setup))
     return Motion(axis, sign, step, ways, ups, commanded, motor, table, time, (ends[0], ends[1]))
@@ -146,6 +149,15 @@ def batches(
         part = move(route, pieces[first:last], axes, setup, feeds)
         yield replace(part, time=part.time + time)
         time, axes, first = time + float(part.time[-1]), part.axes, last
+
+
+def commanded_at(route: Route, stand: Stand) -> tuple[int, int]:
+    """Return where the controller has the machine, um from the start of the program."""
+    x, y = route.place[stand.step].tolist()
+    if stand.mode is Mode.SHORTEST and stand.made:
+        leg = Leg(Way.SHORTEST, stand.step, stand.target, 0, stand.made)
+        x, y = _straight(route, leg)[2][-1].tolist()
+    return x, y
 
 
 def _steps(
@@ -214,4 +226,4 @@ def _durations(
     delay = setup.return_ms / 1000
     # Step k is the first one with a feed that is stated from place k - 1 on.
     feed = rates[np.searchsorted(since, step - 1, side="right")]
-    return np.float64(delay) * ups + np.where(ways == _WAYS.index(Way.CUT), 1.0 / feed, delay)
+    return np.float64(delay) * ups + np.where(ways == WAYS.index(Way.CUT), 1.0 / feed, delay)

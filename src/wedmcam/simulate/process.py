@@ -29,6 +29,10 @@ class Way(StrEnum):
     SHORTEST = "shortest"  # straight to the thread point
 
 
+#: All kinds of ways; arrays hold a way as its index here.
+WAYS = tuple(Way)
+
+
 class Mode(StrEnum):
     """What the controller is about: the state of its state machine."""
 
@@ -73,7 +77,7 @@ class Leg:
     """Steps of one kind, one after the other.
 
     Attributes:
-        way: of which kind.
+        way: its kind.
         first, last: numbers of the places between which it goes; a straight one leaves the path at
             ``first`` and goes to the place ``last``.
         made, count: of a straight one: how many of its steps were made before, and are now.
@@ -114,8 +118,8 @@ class Incident:
     """Something that happened between two steps.
 
     Attributes:
-        kind: start, pause, thread-point, short, clear, alarm, clear-alarm, break, back,
-            power-cut, resume, end.
+        kind: pause, thread-point, short, clear, alarm, clear-alarm, break, back, power-cut,
+            resume, end.
         walked: how many steps were made before it, back and forth, in this run.
         step: number of the place.
         more: what else there is to say of it.
@@ -283,10 +287,11 @@ class _Process:
         self.next += 1
         if fault.trouble is Trouble.POWER:
             self._cut_power(fault)
-        elif fault.trouble is Trouble.SHORT:
-            self._short(fault)
-        else:
-            self._break(fault)
+            return
+        more = {"length": fault.length} if fault.trouble is Trouble.SHORT else {}
+        self._log(str(fault.trouble), **more)
+        self.stand = way_back(self.route, self.answers, fault)
+        self._go_back(fault)
 
     def _forward_to(self, goal: int) -> bool:
         """Go to a place; return whether the machine has come there without an alarm."""
@@ -336,25 +341,14 @@ class _Process:
             step = min(switches[bisect_right(switches, step)], goal)
             yield way, step
 
-    def _short(self, fault: Fault) -> None:
-        self._log("short", length=fault.length)
-        self.stand = way_back(self.route, self.answers, fault)
-        self._go_back(fault)
-
-    def _break(self, fault: Fault) -> None:
-        self._log("break")
-        self.stand = way_back(self.route, self.answers, fault)
-        self._go_back(fault)
-
     # --- ways back ----------------------------------------------------------------------------
 
     def _go_back(self, fault: Fault | None = None) -> None:
         """Go back to the target, along the path or straight; the power may fail on the way."""
         stand = self.stand
         steps = steps_back(self.route, stand) - stand.made
-        failing = fault if fault is not None and fault.cut_after is not None else None
-        if failing is not None and failing.cut_after is not None:
-            steps = failing.cut_after
+        if fault is not None and fault.cut_after is not None:
+            steps = fault.cut_after
         if stand.mode is Mode.SHORTEST:
             self._add(Leg(Way.SHORTEST, stand.step, stand.target, stand.made, steps))
             self.stand = replace(stand, made=stand.made + steps)
@@ -362,8 +356,8 @@ class _Process:
             way = Way.RETREAT if stand.mode is Mode.RETREAT else Way.RETURN
             self._add(Leg(way, stand.step, stand.step - steps))
             self.stand = replace(stand, step=stand.step - steps)
-        if failing is not None:
-            self._cut_power(failing)
+        if fault is not None and fault.cut_after is not None:
+            self._cut_power(fault)
         else:
             self._arrive()
 

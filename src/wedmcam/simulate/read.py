@@ -81,7 +81,7 @@ _NEEDED = {
     "feed_change": {"step", "feed"},
     "fault": {"kind", "step"},
 }
-#: Tables of which there may be several, [[fault]].
+#: Tables that a file may hold several times, as [[fault]].
 _LISTS = ("feed_change", "fault")
 #: Kind of a fault -> the entries that mean something for it.
 _OF_KIND = {

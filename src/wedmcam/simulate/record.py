@@ -8,8 +8,8 @@ from typing import Any
 
 from wedmcam.diag import Diagnostic
 from wedmcam.simulate.axis import AxisState
-from wedmcam.simulate.motion import Motion, Setup, batches
-from wedmcam.simulate.process import Leg, Mode
+from wedmcam.simulate.motion import Motion, Setup, batches, commanded_at
+from wedmcam.simulate.process import Leg, Mode, Way
 from wedmcam.simulate.route import Route
 from wedmcam.simulate.state import State
 
@@ -78,6 +78,7 @@ class Record:
         state: at the end.
         walked: how many steps of the path were made, back and forth.
         pulses: how many steps the motors made.
+        seconds: what each kind of way took, s; a take-up goes with the step behind it.
         off_um: by how much the table was off the commanded place, the largest on x and on y.
         findings: what to say of it.
     """
@@ -92,6 +93,7 @@ class Record:
     walked: int
     pulses: int
     off_um: tuple[int, int]
+    seconds: Mapping[Way, float]
     findings: tuple[Diagnostic, ...] = ()
 
     @property
@@ -100,9 +102,24 @@ class Record:
         return self.state.stand.mode is Mode.END
 
     @property
+    def spent(self) -> dict[str, float]:
+        """How long this run cut (or drew), moved with the generator off, and went back, s."""
+        began, seconds = self.sessions[0].began.time_s, self.seconds
+        back = seconds[Way.RETREAT] + seconds[Way.RETURN] + seconds[Way.SHORTEST]
+        # A take-up that the power cut into goes with the step before which it is made.
+        forward = self.state.time_s - began - back - seconds[Way.MOVE]
+        first = "cutting" if self.setup.dry_ms is None else "drawing"
+        return {first: max(forward, 0.0), "moving": seconds[Way.MOVE], "back": back}
+
+    @property
     def final_um(self) -> tuple[int, int]:
         """Where the table stands at the end, from the start of the program."""
         return table_of(self.state.axes, self.setup)
+
+    @property
+    def commanded_um(self) -> tuple[int, int]:
+        """Where the controller has the machine at the end, from the start of the program."""
+        return commanded_at(self.route, self.state.stand)
 
     def motions(self) -> Iterator[Motion]:
         """Yield every step of the run, some at a time; times from the start of the program."""

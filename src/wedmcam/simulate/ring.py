@@ -5,15 +5,10 @@ Three phases and six steps, A, AB, B, BC, C, CA, forwards and backwards [S: thre
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 #: Steps after which the pattern repeats.
 TURN = 6
 #: Phases that carry current after 0, 1, ... steps forwards.
 PATTERNS = ("A", "AB", "B", "BC", "C", "CA")
-#: The same as bits of a port: A is bit 0, B bit 1, C bit 2.
-BITS = np.array([0b001, 0b011, 0b010, 0b110, 0b100, 0b101], dtype=np.uint8)
 
 
 def pattern(motor: int) -> str:
@@ -23,12 +18,3 @@ def pattern(motor: int) -> str:
     ['A', 'AB', 'B', 'CA']
     """
     return PATTERNS[motor % TURN]
-
-
-def port(motor_x: NDArray[np.int64], motor_y: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return the byte at the port of the motors: x in the bits 0 to 2, y in the bits 3 to 5.
-
-    >>> port(np.array([0, 1]), np.array([0, -1])).tolist()
-    [9, 43]
-    """
-    return BITS[motor_x % TURN] | BITS[motor_y % TURN] << np.uint8(3)

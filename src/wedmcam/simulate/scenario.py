@@ -22,8 +22,7 @@ FAULT = re.compile(
     r"(?:(?P<sign>[:+])(?P<value>[0-9]{1,9}|thread))?"
 )
 HOW = "write short@STEP:LENGTH_UM, break@STEP, break@STEP:BLOCK, power@STEP or power@STEP+PULSES"
-#: Kinds of faults that a seed draws, and the longest short circuit of them, um.
-RANDOM_KINDS = ("short", "break", "power")
+#: The longest short circuit that a seed draws, um.
 RANDOM_LENGTH = 100
 
 
@@ -71,7 +70,7 @@ class Fault:
         return f"{self.trouble}@{self.step}{more}"
 
 
-def fault_of(text: str, span: Span | None = None) -> Fault | None:
+def fault_of(text: str) -> Fault | None:
     """Return the fault that a text of the command line states; None where it states none.
 
     >>> str(fault_of("short@500:60")), str(fault_of("power@7+3")), fault_of("short@500")
@@ -84,15 +83,15 @@ def fault_of(text: str, span: Span | None = None) -> Fault | None:
     sign, value = match["sign"], match["value"]
     if trouble is Trouble.SHORT:
         good = sign == ":" and value != "thread" and int(value) > 0
-        return Fault(trouble, step, length=int(value), span=span) if good else None
+        return Fault(trouble, step, length=int(value)) if good else None
     if trouble is Trouble.BREAK:
         if sign == "+" or value == "0":
             return None
         block = None if value in (None, "thread") else int(value)
-        return Fault(trouble, step, block=block, span=span)
+        return Fault(trouble, step, block=block)
     if sign == ":" or value == "thread":
         return None
-    return Fault(trouble, step, pulses=int(value or 0), span=span)
+    return Fault(trouble, step, pulses=int(value or 0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +126,7 @@ def drawn(seed: int, count: int, route: Route) -> tuple[Fault, ...]:
     cut = np.setdiff1d(1 + np.flatnonzero(~route.moves), route.threads)
     out = []
     for _ in range(count if len(cut) else 0):
-        trouble = Trouble(str(rng.choice(RANDOM_KINDS)))
+        trouble = Trouble(str(rng.choice(list(Trouble))))
         step = int(rng.choice(cut))
         length = int(rng.integers(1, RANDOM_LENGTH + 1))
         if trouble is Trouble.SHORT:

@@ -17,7 +17,7 @@ from wedmcam.diag import Diagnostic, error, warning
 from wedmcam.simulate.axis import AxisState, part_taken
 from wedmcam.simulate.checks import check_scenario
 from wedmcam.simulate.motion import Setup, batches
-from wedmcam.simulate.process import Answers, Feeder, Incident, Mode, Stand, Walk, walk
+from wedmcam.simulate.process import Answers, Feeder, Incident, Mode, Stand, Walk, Way, walk
 from wedmcam.simulate.record import Event, Record, Session, table_of
 from wedmcam.simulate.route import Reading, Route
 from wedmcam.simulate.scenario import Scenario
@@ -57,7 +57,7 @@ def run(
     """
     begin = state or initial(route, setup)
     feeder = feeder if setup.dry_ms is None else None
-    wrong = check_scenario(scenario, route, ANSWERS, setup, begin.stand)
+    wrong = check_scenario(scenario, route, ANSWERS, setup, begin)
     if wrong:
         return None, wrong
     tally = _Tally(route, setup)
@@ -85,6 +85,7 @@ def run(
         walked=tally.walked,
         pulses=tally.pulses,
         off_um=tally.off_um,
+        seconds=dict(zip(Way, tally.seconds.tolist(), strict=True)),
     )
     return replace(record, findings=tuple(_findings(record))), []
 
@@ -97,6 +98,7 @@ class _Tally:
         self.events: list[Event] = []
         self.walked = self.pulses = 0
         self.off_um = (0, 0)
+        self.seconds = np.zeros(len(Way))
         self._seen: list[tuple[float, tuple[int, int]]] = []
 
     def watch(
@@ -113,6 +115,8 @@ class _Tally:
             times = (begin.time_s + part.time[here]).tolist()
             self._seen += zip(times, map(tuple, part.table[here].tolist()), strict=True)
             self.pulses += len(part.step) + int(part.ups.sum())
+            durations = np.diff(part.time, prepend=seconds)
+            self.seconds += np.bincount(part.ways, durations, len(Way))
             axes, seconds, walked = part.axes, float(part.time[-1]), walked + len(part.step)
         return axes, seconds
 
@@ -173,7 +177,7 @@ def _state_behind(
         k, sign = int(route.axis[step]), int(route.sign[step])
         part = part_taken(axes[k], sign, cut.pulses, setup.backlash[k], setup.play[k])
         axes = (part, axes[1]) if k == 0 else (axes[0], part)
-        time_s += cut.pulses * (setup.dry_ms or setup.return_ms) / 1000
+        time_s += cut.pulses * setup.take_up_s
     return _state(route, path.stand, axes, setup, time_s)
 
 
@@ -192,12 +196,16 @@ def _findings(record: Record) -> list[Diagnostic]:
     if stand.mode is Mode.ALARM:
         text = (
             "the machine stopped with an alarm at step {step}, block {block}: the short circuit is "
-            "still there, {back} steps back"
+            "still there"
         )
         back = record.events[-1].more.get("back")
-        if back is None:
-            short = next(one for one in reversed(record.events) if one.kind == "short")
+        short = next((one for one in reversed(record.events) if one.kind == "short"), None)
+        if back is None and short is not None:
             back = short.step - stand.step
+        more = {}
+        if back is not None:  # else it goes on from a state of the way back, which began before
+            text += ", {back} steps back"
+            more = {"back": back}
         findings.append(
             error(
                 "alarm",
@@ -206,7 +214,7 @@ def _findings(record: Record) -> list[Diagnostic]:
                 hint="look at the generator and the wire; then the machine goes on from its state",
                 step=stand.step,
                 block=record.state.reading.block,
-                back=back,
+                **more,
             )
         )
     x, y = record.off_um

@@ -34,13 +34,15 @@ def _whole_um(text: str) -> int | None:
     >>> [_whole_um(t) for t in ("12", "12um", "0.012mm", "12.5", "-1", "10000")]
     [12, 12, 12, None, None, None]
     """
-    try:
-        um = float(text) if re.fullmatch(r"\s*[0-9]+\s*", text) else length_um(text)
-    except ValueError:
+    if text.strip().isdecimal():
+        um = float(text)
+    elif re.search(r"[a-zµ\"]\s*$", text):  # without a unit 0.012 may be meant as mm
+        try:
+            um = length_um(text)
+        except ValueError:
+            return None
+    else:
         return None
-    bare = re.fullmatch(r"\s*[-+0-9.eE]+\s*", text)
-    if bare and not text.strip().isdecimal():
-        return None  # a bare 0.012 may be meant as mm
     return int(um) if um == int(um) and 0 <= um <= 9999 else None
 
 

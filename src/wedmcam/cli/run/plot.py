@@ -56,8 +56,11 @@ def _plot_tape(data: bytes, name: str, output: str) -> int:
     """Write the picture of a punched tape; return the exit status."""
     if not _is_tape(data):
         raise click.UsageError(f"{name} is no punched tape: --tape is for those of the NBY-15")
-    svg = api.plot_tape(data, Path(name).name)
-    write_outputs([(output, picture_bytes(svg, output))])
+    title = Path(name).name
+    if Path(output).suffix.lower() in (".html", ".dxf"):
+        raise click.UsageError("the picture of a tape is .svg or .png")
+    image = picture_bytes(output, lambda: api.plot_tape(data, title))
+    write_outputs([(output, image)])
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,11 @@ import click
 from wedmcam import api
 from wedmcam.cli import simulated
 from wedmcam.cli.files import read_input, read_program, shown_name, write_outputs
-from wedmcam.cli.outputs import check_names, check_picture
+from wedmcam.cli.outputs import check_names, check_picture, picture_bytes
 from wedmcam.cli.progress import waiting
+from wedmcam.cli.settings import typed
 from wedmcam.cli.terminal import print_findings, print_json, print_text
-from wedmcam.operations.simulate import Simulation
+from wedmcam.operations.simulate import Simulation, stated_in
 
 
 def run_simulate(
@@ -28,6 +30,8 @@ def run_simulate(
 ) -> int:
     """Run ``wedmcam simulate``; return the exit status."""
     inputs = [program, *(name for name in (scenario, resume) if name is not None)]
+    if inputs.count("-") > 1:
+        raise click.UsageError("only one input can be standard input")
     # A state may be gone on from and replaced by the next one.
     outputs = [name for name in (pulses, plot, None if state == resume else state) if name]
     check_names(inputs, outputs)
@@ -46,7 +50,7 @@ def run_simulate(
             stop_at_power=state is not None,
             strict=params["strict"],
             name=shown_name(program),
-            **_stated(params),
+            **_stated(params, texts.get(scenario or "")),
         )
     print_findings(simulation.findings, shown_name(program), params["quiet"], texts)
     saved = _write(simulation, program, state, pulses, plot)
@@ -54,11 +58,17 @@ def run_simulate(
         print_json({**simulation.summary, "state": saved})
     elif not params["quiet"]:
         simulated.print_simulation(simulation, params["verbose"], saved)
+        if state is not None and saved is None:
+            _print_no_state(simulation, state)
     return simulation.status
 
 
-def _stated(params: dict[str, Any]) -> dict[str, Any]:
+def _stated(params: dict[str, Any], scenario: bytes | None) -> dict[str, Any]:
     """Return the conditions that were stated, by the names of their fields.
+
+    Args:
+        params: of the command.
+        scenario: the file; its feed wins over the one of a shop's settings.
 
     Raises:
         UsageError: a seed without something to draw, a servo without a gap or with another feed.
@@ -77,26 +87,39 @@ def _stated(params: dict[str, Any]) -> dict[str, Any]:
     return {
         **stated,
         # A step is 1 um.
-        "feed": None if params["feed_um"] is None else params["feed_um"] / 60,
+        "feed": None if (feed := _feed(params["feed_um"], scenario)) is None else feed / 60,
         "random": None if count is None else (count, seed or 0),
         "servo": None if params["servo"] is None else (params["servo"], seed or 0),
     }
+
+
+def _feed(feed_um: float | None, scenario: bytes | None) -> float | None:
+    """Return the feed of the options, um a minute, where it wins over the scenario's."""
+    if feed_um is None or scenario is None or "feed_um" in typed(click.get_current_context()):
+        return feed_um
+    stated, _ = stated_in("", scenario)
+    return feed_um if stated is None or stated.feed is None else None
 
 
 def _write(
     simulation: Simulation, program: str, state: str | None, pulses: str | None, plot: str | None
 ) -> str | None:
     """Write what was asked for; return the name of the state, where one is written."""
-    files: list[tuple[str, bytes]] = []
+    files: list[tuple[str, bytes | Iterable[bytes]]] = []
     saved = None
     if state is not None and simulation.state is not None:
         files.append((state, simulation.state))
         saved = state
     if simulation.record is not None:
         if pulses is not None:
-            files.append((pulses, "".join(api.pulse_lines(simulation.record)).encode("ascii")))
+            lines = api.pulse_lines(simulation.record)
+            files.append((pulses, (piece.encode("ascii") for piece in lines)))
         if plot is not None:
-            files.append((plot, _picture(simulation, Path(program).name, plot)))
+            of = simulation.record, Path(program).name
+            image = picture_bytes(
+                plot, lambda: api.plot_run(*of), lambda: api.plot_run_html(*of)
+            )
+            files.append((plot, image))
     write_outputs(files)
     for name in (pulses, plot):
         if name is not None and simulation.record is None:
@@ -104,15 +127,8 @@ def _write(
     return saved
 
 
-def _picture(simulation: Simulation, title: str, name: str) -> bytes:
-    """Return the picture of a run as the bytes of the format that its name tells."""
-    assert simulation.record is not None
-    suffix = Path(name).suffix.lower()
-    if suffix == ".html":
-        return api.plot_run_html(simulation.record, title).encode("utf-8")
-    svg = api.plot_run(simulation.record, title)
-    if suffix != ".png":
-        return svg.encode("utf-8")
-    import resvg_py  # a large library, for PNG alone
-
-    return bytes(resvg_py.svg_to_bytes(svg_string=svg, zoom=2))
+def _print_no_state(simulation: Simulation, state: str) -> None:
+    """Say that there is nothing to go on from, and that a state of another run may lie there."""
+    why = "nothing was run" if simulation.record is None else "the program is at its end"
+    left = f"; {state} is as it was, of another run" if Path(state).exists() else ""
+    print_text(f"{state} was not written: {why}{left}", err=True)

@@ -89,7 +89,7 @@ def counts(axis: Axis, along: Axis, x: int, y: int) -> bool:
     """Return whether a step along ``along`` counts towards J.
 
     Args:
-        axis: of the block; a line on the square counts on its `line_axis`, which is to be given.
+        axis: of the block; for a line that counts on the square its `line_axis`.
         along: of the step.
         x, y: where the step begins, from the centre of an arc; a line does not look at them.
 

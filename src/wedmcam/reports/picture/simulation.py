@@ -1,37 +1,44 @@
 """A picture of a simulated run: where the table went, forth and back, and J over time.
 
-Above the path of the table, its ways back beside it in another colour; below the count J as the
-display showed it. Faults are numbered in both as in the list of events. However long a run is, some
-thousand places of each curve are drawn, the extremes among them.
+Above the path of the table, its ways back as a band below it in another colour; below the count J
+as the display showed it, and once more about the first way back, where it rises. Faults are
+numbered as in the list of events. However long a run is, each curve has some thousand places
+(`curves`): of the path where it went for the first time, of ways back what they covered.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.reports.picture.curves import Points, Samples, Trail, polyline, stretches
 from wedmcam.reports.picture.page import page
 from wedmcam.reports.picture.sheet import GREY, INK, nice, number, words
-from wedmcam.simulate.process import Way
-from wedmcam.simulate.record import Event, Record
+from wedmcam.simulate.motion import Motion
+from wedmcam.simulate.process import WAYS, Way
+from wedmcam.simulate.record import Event, Record, table_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: So many places of the path and of J are drawn at most.
-MOST = 4000
 #: Sheet units: A4 across, 4 a mm of paper.
 WIDTH, HEIGHT = 1188.0, 840.0
 #: Of the path (left, top, right, bottom), and of J.
 PATH_FRAME = (44.0, 64.0, 1160.0, 560.0)
 J_FRAME = (110.0, 612.0, 1160.0, 770.0)
+#: Of J where J about the first way back stands beside it, and of that.
+J_FRAMES = ((110.0, 612.0, 780.0, 770.0), (870.0, 612.0, 1160.0, 770.0))
+#: So many steps before and behind the first way back are shown there.
+AROUND = 150
+#: Places nearer to each other than this are one, sheet units.
+APART = 0.3
+#: At most so many shortest ways back are drawn; more than so many are thin.
+STRAIGHT, MANY = 200, 20
 PAD = 30.0
 
-_WAYS = list(Way)
 #: Kind of a way -> colour and width of its line, and what the legend calls it.
 STYLES = {
     Way.CUT: ("#c1121f", 1.5, "cut"),
@@ -42,23 +49,16 @@ STYLES = {
 }
 #: Events that are marked.
 MARKED = ("short", "alarm", "break", "power-cut")
-#: So many of them have a number in the picture.
+#: So many of them are marked at most, and so many have a number on the path.
+MARKS = 1000
 NUMBERS = 60
-
-
-@dataclass(frozen=True, slots=True)
-class _Curves:
-    """Places of a run, thinned out: of each its way, time (s), table (um), J."""
-
-    way: Ints
-    time: Floats
-    table: Ints
-    j: Ints
 
 
 def plot_run(record: Record, title: str = "") -> str:
     """Return a run as SVG."""
-    curves = _thinned(record)
+    seen = record.route.place / 1000
+    frame = _Frame(PATH_FRAME, seen.min(axis=0), seen.max(axis=0), equal=True)
+    curves = _Curves(record, APART / float(frame.scale[0]))
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="1123" height="794" '
         f'viewBox="0 0 {number(WIDTH)} {number(HEIGHT)}" '
@@ -67,8 +67,8 @@ def plot_run(record: Record, title: str = "") -> str:
         f'<rect width="{number(WIDTH)}" height="{number(HEIGHT)}" fill="#fff"/>',
         f'<text x="44" y="38" font-size="22" font-weight="bold">{words(title)}</text>',
         f'<text x="1160" y="38" text-anchor="end">{words(_facts(record))}</text>',
-        *_path(record, curves),
-        *_count(record, curves),
+        *_path(record, curves, frame),
+        *_counts(record, curves),
         *_legend(record),
         "</svg>",
     ]
@@ -100,32 +100,74 @@ def hours(seconds: float) -> str:
     return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
 
 
-def _thinned(record: Record) -> _Curves:
-    """Return places of a run: every so many, where the way changes, and the extremes of J."""
-    every = max(1, record.walked // MOST)
-    parts: list[tuple[Ints, Floats, Ints, Ints]] = []
-    done = 0
-    for part in record.motions():
-        count = len(part.step)
-        *_, j = record.route.readings(part.step)
-        keep = np.zeros(count, bool)
-        keep[(-done) % every :: every] = True
-        keep[[0, count - 1]] = True
-        turns = np.flatnonzero(np.diff(part.ways))
-        keep[turns] = keep[turns + 1] = True
-        whole = count // every * every
-        if whole:
-            rows = j[:whole].reshape(-1, every)
-            base = np.arange(len(rows)) * every
-            keep[base + rows.argmin(axis=1)] = keep[base + rows.argmax(axis=1)] = True
-        at = np.flatnonzero(keep)
-        parts.append((part.ways[at].astype(np.int64), part.time[at], part.table[at], j[at]))
-        done += count
-    if not parts:
-        empty = np.zeros(0, np.int64)
-        return _Curves(empty, empty.astype(float), np.zeros((0, 2), np.int64), empty)
-    way, time, table, j = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return _Curves(way, time, table, j)
+def _window(record: Record) -> tuple[float, float] | None:
+    """Return the time about the first way back, s; None where there is none."""
+    events = record.events
+    # J rises in a retreat, and may stand still on another way back.
+    kinds = [one for kind in ("short", "break") for one in events if one.kind == kind]
+    if not kinds:
+        return None
+    first = kinds[0]
+    ends = ("clear", "alarm", "back")
+    back = next((one for one in events if one.kind in ends and one.walked > first.walked), None)
+    around = AROUND / record.setup.feed
+    until = record.state.time_s if back is None else back.time_s
+    begin, end = record.sessions[0].began.time_s, record.state.time_s
+    return max(first.time_s - around, begin), min(until + around, end)
+
+
+class _Curves:
+    """What a picture needs of the motions of a run, which are gone through once.
+
+    Attributes:
+        table: where the table went on each kind of way forward, mm.
+        whole: J over the time of the run.
+        near: J over the time about the first way back; empty where there is none.
+    """
+
+    def __init__(self, record: Record, apart_mm: float) -> None:
+        began, route = record.sessions[0].began, record.route
+        window = _window(record)
+        self.table = {way: Trail(apart_mm) for way in (Way.CUT, Way.MOVE)}
+        self.whole = {way: Samples(began.time_s, record.state.time_s) for way in Way}
+        self.near = {} if window is None else {way: Samples(*window) for way in Way}
+        j = route.readings(np.arange(route.steps + 1))[4]
+        reached, runs = began.stand.step, 0
+        place = np.array([table_of(began.axes, record.setup)])
+        for part in record.motions():
+            forward = np.isin(part.ways, [WAYS.index(way) for way in self.table])
+            highest = np.maximum.accumulate(np.where(forward, part.step, reached))
+            first_time = part.step > np.concatenate([[reached], highest[:-1]])
+            table = np.concatenate([place, part.table])
+            for way, trail in self.table.items():
+                for first, last in stretches(first_time & (part.ways == WAYS.index(way))):
+                    trail.add(table[first : last + 1] / 1000)
+            run = runs + np.cumsum(np.diff(part.ways, prepend=part.ways[:1]) != 0)
+            self._count(part, j[part.step], run)
+            reached, runs, place = int(highest[-1]), int(run[-1]), part.table[-1:]
+
+    def _count(self, part: Motion, j: Ints, run: Ints) -> None:
+        for way in Way:
+            rows = part.ways == WAYS.index(way)
+            if rows.any():
+                for samples in (self.whole, self.near):
+                    if samples:
+                        samples[way].add(part.time[rows], j[rows], run[rows])
+
+
+def _covered(record: Record, way: Way) -> Trail:
+    """Return what the ways back of a kind covered of the path, mm."""
+    route = record.route
+    edges = np.zeros(route.steps + 1, np.int64)
+    trail = Trail(0.001)
+    for session in record.sessions:
+        for leg in session.legs:
+            if leg.way is way:
+                edges[leg.last] += 1
+                edges[leg.first] -= 1
+    for first, last in stretches(np.cumsum(edges) > 0):
+        trail.add(route.place[first : last + 1] / 1000)
+    return trail
 
 
 class _Frame:
@@ -157,54 +199,60 @@ class _Frame:
         )
 
 
-def _line(points: Floats, colour: str, width: float, more: str = "") -> str:
-    text = " ".join(f"{number(x, 2)},{number(y, 2)}" for x, y in points.tolist())
+DASHES = ' stroke-dasharray="7 5"'
+
+
+def _line(frame: _Frame, points: Points, colour: str, width: float, more: str = "") -> str:
+    """Return a curve, lifted where its runs end; nothing where it has no places."""
+    places, runs = points
+    if not len(places):
+        return ""
     return (
-        f'<polyline points="{text}" fill="none" stroke="{colour}" '
+        f'<path d="{polyline(frame.at(places), runs)}" fill="none" stroke="{colour}" '
         f'stroke-width="{number(width)}" stroke-linejoin="round"{more}/>'
     )
 
 
-def _path(record: Record, curves: _Curves) -> list[str]:
+def _straight(record: Record) -> Points:
+    """Return the ends of the shortest ways back, mm: of many some, evenly."""
+    legs = [leg for session in record.sessions for leg in session.legs if leg.way is Way.SHORTEST]
+    ends = list(dict.fromkeys((leg.first, leg.last) for leg in legs))
+    some = np.array(ends[:: -(-len(ends) // STRAIGHT) or 1], dtype=np.int64).reshape(-1)
+    return record.route.place[some] / 1000, np.arange(len(some)) // 2
+
+
+def _path(record: Record, curves: _Curves, frame: _Frame) -> list[str]:
     """Return the path of the table, threads and faults."""
-    threads = record.route.place[record.route.threads]
     route = record.route
-    every = max(1, route.steps // MOST)
-    steps = np.concatenate([np.arange(0, route.steps, every), route.first, [route.steps]])
-    steps = np.unique(steps)
-    seen = np.concatenate([route.place[steps], curves.table]).astype(float)
-    frame = _Frame(PATH_FRAME, seen.min(axis=0), seen.max(axis=0), equal=True)
-    out = [frame.border(), _line(frame.at(route.place[steps]), "#cbd2d9", 1.0)]
-    begin = np.concatenate([[0], 1 + np.flatnonzero(np.diff(curves.way)), [len(curves.way)]])
-    pieces = []
-    for first, last in zip(begin[:-1].tolist(), begin[1:].tolist(), strict=True):
-        if first < last:
-            # A stretch begins where the one before ends.
-            places = curves.table[max(first - 1, 0) : last]
-            if first == 0:
-                places = np.concatenate([np.zeros((1, 2), np.int64), places])
-            pieces.append((_WAYS[int(curves.way[first])], places))
+    threads = route.place[route.threads] / 1000
+    out = [frame.border()]
     # Ways back lie below the path, so that both are seen.
-    for kind in (Way.RETREAT, Way.RETURN, Way.SHORTEST, Way.MOVE, Way.CUT):
-        colour, width, _ = STYLES[kind]
-        more = ' stroke-dasharray="7 5"' if kind in (Way.MOVE, Way.SHORTEST) else ""
-        out += [
-            _line(frame.at(places), colour, width, more)
-            for way, places in pieces
-            if way is kind and len(places) > 1
-        ]
+    for way in (Way.RETREAT, Way.RETURN):
+        out.append(_line(frame, _covered(record, way).places(), *STYLES[way][:2]))
+    straight = _straight(record)
+    colour, width, _ = STYLES[Way.SHORTEST]
+    thin = width if len(straight[0]) <= 2 * MANY else width / 3
+    out.append(_line(frame, straight, colour, thin, DASHES))
+    rest = Trail(APART / float(frame.scale[0]))
+    rest.add(route.place / 1000)
+    out.append(_line(frame, rest.places(), "#cbd2d9", 1.0))
+    for way, trail in curves.table.items():
+        more = DASHES if way is Way.MOVE else ""
+        out.append(_line(frame, trail.places(), *STYLES[way][:2], more))
     for x, y in frame.at(np.unique(threads, axis=0)).tolist():
         out.append(
             f'<path d="M{number(x - 6)} {number(y)}h12M{number(x)} {number(y - 6)}v12" '
             f'stroke="{INK}" stroke-width="1.6" fill="none"/>'
         )
-    marks = numbered(record.events)
-    places = np.array([event.table_um for _, event in marks], dtype=float).reshape(-1, 2)
-    taken: set[tuple[int, int]] = set()
-    for k, ((n, _), (x, y)) in enumerate(zip(marks, frame.at(places).tolist(), strict=True)):
-        cell = (int(x // 18), int(y // 18))
-        show = k < NUMBERS and cell not in taken
-        taken.add(cell)
+    marks = numbered(record.events)[:MARKS]
+    places = np.array([event.table_um for _, event in marks], dtype=float).reshape(-1, 2) / 1000
+    taken: list[tuple[float, float, float]] = []
+    for (n, _), (x, y) in zip(marks, frame.at(places).tolist(), strict=True):
+        wide = 8.0 * len(str(n))
+        free = all(abs(y - v) > 14 or x > u + w or x + wide < u for u, v, w in taken)
+        show = len(taken) < NUMBERS and free
+        if show:
+            taken.append((x, y, wide))
         out += _mark(x, y, n if show else None)
     out.append(_scale(frame))
     return out
@@ -225,8 +273,8 @@ def _mark(x: float, y: float, n: int | None) -> list[str]:
 
 def _scale(frame: _Frame) -> str:
     """Return a bar of a round length."""
-    um = nice(120.0 / float(frame.scale[0]) / 2.5)
-    units = um * float(frame.scale[0])
+    um = nice(1000 * 120.0 / float(frame.scale[0]) / 2.5)
+    units = um / 1000 * float(frame.scale[0])
     text = f"{number(um / 1000)} mm" if um >= 1000 else f"{number(um)} um"
     left, bottom = PATH_FRAME[0] + 14, PATH_FRAME[3] - 14
     return (
@@ -236,41 +284,61 @@ def _scale(frame: _Frame) -> str:
     )
 
 
-def _count(record: Record, curves: _Curves) -> list[str]:
-    """Return J over time, with the faults."""
-    seconds = max(record.state.time_s, 1e-6)
-    most = float(max(curves.j.max(initial=1), 1))
-    first = min(float(curves.time[0]), seconds) if len(curves.time) else 0.0
-    begin = record.sessions[0].began.time_s
-    first = min(first, begin)
-    frame = _Frame(J_FRAME, np.array([first, 0.0]), np.array([seconds, most]), equal=False)
-    left, top, right, bottom = J_FRAME
+def _counts(record: Record, curves: _Curves) -> list[str]:
+    """Return J over time, with the faults; beside it about the first way back."""
+    begin, end = record.sessions[0].began.time_s, record.state.time_s
+    window = _window(record)
+    if window is None:
+        return _count(record, curves.whole, (begin, end), J_FRAME)
+    whole, near = J_FRAMES
+    return [
+        *_count(record, curves.whole, (begin, end), whole),
+        *_count(record, curves.near, window, near, near=True),
+    ]
+
+
+def _count(
+    record: Record,
+    samples: Mapping[Way, Samples],
+    time: tuple[float, float],
+    box: tuple[float, float, float, float],
+    near: bool = False,
+) -> list[str]:
+    """Return J over a time, s, in a frame: from 0, or ``near`` as high as it goes there."""
+    points = {way: one.points() for way, one in samples.items()}
+    every = np.concatenate([p[:, 1] for p, _ in points.values()])
+    most = float(max(every.max(initial=1), 1))
+    least = float(every.min(initial=most)) if near else 0.0
+    first, last = time[0], max(time[1], time[0] + 1e-6)
+    frame = _Frame(box, np.array([first, least]), np.array([last, most]), equal=False)
+    left, top, right, bottom = box
     out = [frame.border()]
-    curve = np.column_stack([curves.time, curves.j.astype(float)])
-    if len(curve) > 1:
-        out.append(_line(frame.at(curve), STYLES[Way.CUT][0], 1.0))
-    last = -math.inf
-    for n, event in numbered(record.events)[:NUMBERS]:
+    for way, curve in points.items():
+        width = 1.0 if way in (Way.CUT, Way.MOVE) else 2.0
+        out.append(_line(frame, curve, STYLES[way][0], width, ' stroke-linecap="round"'))
+    lines, taken = [], -math.inf
+    for n, event in numbered(record.events)[:MARKS]:
+        if not first <= event.time_s <= last:
+            continue
         x = float(frame.at(np.array([[event.time_s, 0.0]]))[0, 0])
-        out.append(
-            f'<path d="M{number(x, 2)} {number(top)}V{number(bottom)}" stroke="#d00000" '
-            'stroke-width="0.8" stroke-dasharray="3 3"/>'
-        )
-        if x - last > 16:
+        if x - taken > 7 + 8 * len(str(n)):
+            lines.append(f"M{number(x, 2)} {number(top)}V{number(bottom)}")
             out.append(
                 f'<text x="{number(x, 2)}" y="{number(top - 4)}" font-size="11" fill="#d00000" '
                 f'text-anchor="middle">{n}</text>'
             )
-            last = x
+            taken = x
     out.append(
+        f'<path d="{"".join(lines)}" stroke="#d00000" stroke-width="0.8" stroke-dasharray="3 3"/>'
         f'<text x="{number(left - 8)}" y="{number(top + 10)}" text-anchor="end">'
         f"{number(most)} um</text>"
-        f'<text x="{number(left - 8)}" y="{number(bottom)}" text-anchor="end">J 0</text>'
+        f'<text x="{number(left - 8)}" y="{number(bottom)}" text-anchor="end">J '
+        f"{number(least)}</text>"
         f'<text x="{number(left)}" y="{number(bottom + 18)}">{hours(first)}</text>'
         f'<text x="{number(right)}" y="{number(bottom + 18)}" text-anchor="end">'
-        f"{hours(seconds)}</text>"
+        f"{hours(last)}</text>"
         f'<text x="{number((left + right) / 2)}" y="{number(bottom + 18)}" text-anchor="middle">'
-        "time, h:mm:ss</text>"
+        f"{'about the first way back' if near else 'time, h:mm:ss'}</text>"
     )
     return out
 

@@ -11,10 +11,11 @@ import numpy as np
 
 from wedmcam.controllers.pointwise import MIRROR, trace
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
-from wedmcam.simulate import zd065
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.route import lay
+from wedmcam.simulate.run import run
 from wedmcam.simulate.scenario import Fault, Trouble, scenario_of
+from wedmcam.simulate.zd065 import ZD065
 
 STEPS = 1_000_000
 SETUP = Setup(backlash=(12, 15), play=(12, 15))
@@ -57,8 +58,8 @@ def measure():
         ("run, 1,000 short circuits", shorts),
         ("run, 1,000 power cuts", power),
     ):
-        record, _ = zd065.run(lay(program, MIRROR), scenario, SETUP)
-        work = lambda s=scenario: zd065.run(lay(program, MIRROR), s, SETUP)  # noqa: E731
+        record, _ = run(ZD065, lay(program, MIRROR), scenario, SETUP)
+        work = lambda s=scenario: run(ZD065, lay(program, MIRROR), s, SETUP)  # noqa: E731
         yield name, record.walked, seconds(work)
 
 

@@ -353,7 +353,7 @@ def test_a_damaged_state_is_a_finding_with_its_place(data):
     else:  # white space between fields, say
         assert state == read_state(good, "a.state")[0]
         text, program = damaged.decode(), library.read_program(KEY)[0]
-        assert not check_state(state, lay(program, MIRROR), text, "a.state")
+        assert not check_state(state, "zd065", lay(program, MIRROR), text, "a.state")
 
 
 def test_pulses_are_the_motors_and_take_ups_come_before_reversals(tmp_path):

@@ -13,15 +13,16 @@ from hypothesis import strategies as st
 from wedmcam import api
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
-from wedmcam.simulate import zd065
 from wedmcam.simulate.feeding import Feeding
 from wedmcam.simulate.gap import Gap, Workpiece
 from wedmcam.simulate.laws import LAWS
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Leg, Mode, Turn, Way
 from wedmcam.simulate.route import lay
+from wedmcam.simulate.run import run
 from wedmcam.simulate.runs import AtOnce, OneByOne
 from wedmcam.simulate.scenario import Fault, Trouble, drawn, scenario_of
+from wedmcam.simulate.zd065 import ZD065
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 EXACT = Setup(backlash=(12, 15), play=(12, 15))
@@ -89,13 +90,13 @@ def assert_cut_as_without_faults(record):
 @pytest.mark.parametrize("seed", range(4))
 def test_the_path_cut_is_that_without_faults(law, seed):
     servo = feeding(law, seed)
-    record, wrong = zd065.run(two_squares(), scenario_of([]), EXACT, feeder=servo)
+    record, wrong = run(ZD065, two_squares(), scenario_of([]), EXACT, feeder=servo)
     assert not wrong
     assert_cut_as_without_faults(record)
     kinds = Counter(event.kind for event in record.events)
     assert kinds["short"] == servo.tally.retreats > 0
-    assert servo.tally.longest <= zd065.ANSWERS.retreat
-    undisturbed, _ = zd065.run(two_squares(), scenario_of([]), EXACT)
+    assert servo.tally.longest <= ZD065.answers.retreat
+    undisturbed, _ = run(ZD065, two_squares(), scenario_of([]), EXACT)
     assert replace(record.state, time_s=0.0) == replace(undisturbed.state, time_s=0.0)
 
 
@@ -105,7 +106,7 @@ def test_the_path_cut_is_that_without_faults(law, seed):
 def test_with_wire_breaks_shorts_and_power_cuts_too(law, seed, many):
     route = two_squares()
     faults = drawn(seed, many, route)
-    record, wrong = zd065.run(route, scenario_of(faults), EXACT, feeder=feeding(law, seed))
+    record, wrong = run(ZD065, route, scenario_of(faults), EXACT, feeder=feeding(law, seed))
     assert not wrong
     assert_cut_as_without_faults(record)
 
@@ -116,7 +117,7 @@ def test_20000_steps_of_a_sample(law):
     route = route_of("cam")
     stop = Fault(Trouble.POWER, 20_000)
     servo = feeding(law, 3, Workpiece())
-    record, wrong = zd065.run(route, scenario_of([stop]), EXACT, feeder=servo, stop_at_power=True)
+    record, wrong = run(ZD065, route, scenario_of([stop]), EXACT, feeder=servo, stop_at_power=True)
     assert not wrong
     assert record.state.stand.step == 20_000
     assert record.off_um == (0, 0)
@@ -133,7 +134,7 @@ def test_20000_steps_of_a_sample(law):
 def test_a_retract_has_n_steps_or_as_many_as_there_are():
     servo = feeding("patent", 1)
     route = two_squares()
-    record, _ = zd065.run(route, scenario_of([]), EXACT, feeder=servo)
+    record, _ = run(ZD065, route, scenario_of([]), EXACT, feeder=servo)
     n = servo.law.settings.steps
     room = [e.step - route.threads[route.threads <= e.step].max() for e in record.events]
     for event, most in zip(record.events, room, strict=True):
@@ -154,7 +155,7 @@ def test_a_short_that_stays_is_an_alarm_at_the_end_of_the_controllers_retreat(la
     assert (turn.step, turn.back) == (40, 100)
     assert [leg.way for leg in turn.legs] == [Way.RETREAT]
     bridged = feeding(law, 1, replace(COARSE, short_um=1e6))
-    record, _ = zd065.run(route, scenario_of([]), EXACT, feeder=bridged)
+    record, _ = run(ZD065, route, scenario_of([]), EXACT, feeder=bridged)
     assert [event.kind for event in record.events] == ["alarm", "clear-alarm", "alarm"]
     assert record.state.stand.mode is Mode.ALARM
     assert [d.code for d in record.findings] == ["alarm"]
@@ -164,7 +165,7 @@ def test_an_operator_takes_the_chip_out_and_cutting_goes_on():
     """Some of the alarms lie behind a pause that was passed: it is passed once."""
     route = two_squares()
     servo = feeding("feed", 8, replace(COARSE, chip_um=400.0))
-    record, _ = zd065.run(route, scenario_of([]), EXACT, feeder=servo)
+    record, _ = run(ZD065, route, scenario_of([]), EXACT, feeder=servo)
     pause = next(halt.step for halt in route.halts if not halt.thread)
     assert any(
         e.kind == "alarm" and e.step < pause < e.step + e.more["back"] for e in record.events
@@ -179,7 +180,7 @@ def test_times_are_those_of_the_servo():
     route = two_squares()
     servo = feeding("eindhoven", 1)
     plain = Setup(backlash=(0, 0), play=(0, 0))
-    record, _ = zd065.run(route, scenario_of([]), plain, feeder=servo)
+    record, _ = run(ZD065, route, scenario_of([]), plain, feeder=servo)
     moved = int(route.moves.sum()) * plain.return_ms / 1000
     assert record.state.time_s == pytest.approx(servo.tally.seconds + moved)
     assert servo.tally.seconds >= servo.gap.pulses / 1e5 * (1 - 1e-9)
@@ -187,7 +188,7 @@ def test_times_are_those_of_the_servo():
 
 def test_the_same_seed_gives_the_same_run_and_the_literal_loop_a_like_one():
     route = two_squares(40)
-    runs = [zd065.run(route, scenario_of([]), EXACT, feeder=feeding("patent", 7))[0] for _ in "ab"]
+    runs = [run(ZD065, route, scenario_of([]), EXACT, feeder=feeding("patent", 7))[0] for _ in "ab"]
     assert runs[0].state == runs[1].state
     legs = [[leg for one in run.sessions for leg in one.legs] for run in runs]
     assert legs[0] == legs[1]
@@ -195,7 +196,7 @@ def test_the_same_seed_gives_the_same_run_and_the_literal_loop_a_like_one():
         (a.seconds == b.seconds).all() for a, b in zip(*legs, strict=True) if a.way != "move"
     )
     literal = feeding("patent", 7, draw=OneByOne())
-    record, _ = zd065.run(route, scenario_of([]), EXACT, feeder=literal)
+    record, _ = run(ZD065, route, scenario_of([]), EXACT, feeder=literal)
     assert_cut_as_without_faults(record)
 
 
@@ -203,7 +204,7 @@ def test_a_dry_run_has_no_gap():
     route = two_squares()
     dry = replace(EXACT, dry_ms=20)
     servo = feeding("patent", 1)
-    record, _ = zd065.run(route, scenario_of([]), dry, feeder=servo)
+    record, _ = run(ZD065, route, scenario_of([]), dry, feeder=servo)
     assert servo.gap.pulses == 0
     assert record.finished
 
@@ -228,7 +229,7 @@ class Scripted:
 
 def test_a_pause_that_was_passed_before_an_alarm_is_passed_once():
     route = two_squares()
-    record, _ = zd065.run(route, scenario_of([]), EXACT, feeder=Scripted(300))
+    record, _ = run(ZD065, route, scenario_of([]), EXACT, feeder=Scripted(300))
     assert [(event.kind, event.step) for event in record.events] == [
         ("pause", 300),
         ("short", 320),

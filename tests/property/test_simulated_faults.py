@@ -14,14 +14,15 @@ from stepped_machine import Machine
 from wedmcam import api
 from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
-from wedmcam.simulate import zd065
 from wedmcam.simulate.checks import take_up_behind
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Way, steps_back, way_back
 from wedmcam.simulate.ring import pattern
 from wedmcam.simulate.route import lay
+from wedmcam.simulate.run import run as run_machine
 from wedmcam.simulate.scenario import Fault, Trouble, drawn, fault_of, last_thread, scenario_of
 from wedmcam.simulate.state import check_state, read_state, state_bytes
+from wedmcam.simulate.zd065 import ZD065
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 FORWARD = [list(Way).index(way) for way in (Way.CUT, Way.MOVE)]
@@ -128,7 +129,7 @@ def test_every_pulse_is_that_of_a_machine_stepped_by_hand(run):
     route, setup, faults = run
     if not route.steps:
         return
-    record, wrong = zd065.run(route, scenario_of(faults), setup)
+    record, wrong = run_machine(ZD065, route, scenario_of(faults), setup)
     assert not wrong
     machine = by_hand(route, setup, faults)
     steps = [
@@ -186,7 +187,7 @@ def assert_all_came_back(record, faults):
     seen = seen[np.argsort(seen[:, 0], kind="stable")]
     steps = np.array([fault.step for fault in faults])
     first = np.searchsorted(seen[:, 0], steps)
-    undisturbed = visits(zd065.run(record.route, scenario_of([]), record.setup)[0])
+    undisturbed = visits(run_machine(ZD065, record.route, scenario_of([]), record.setup)[0])
     assert (seen[first] == undisturbed[steps - 1]).all()
     again = first + 1
     assert (seen[again, 0] == steps).all()
@@ -206,7 +207,7 @@ def test_a_short_circuit_at_each_step_leaves_no_trace(name, first, last):
         if k > last_thread(route, k) and not route.moves[k - 1]
     ]
     assert len(faults) > 0.9 * (last - first)
-    record, wrong = zd065.run(route, scenario_of(faults), EXACT)
+    record, wrong = run_machine(ZD065, route, scenario_of(faults), EXACT)
     assert not wrong
     assert Counter(event.kind for event in record.events)["clear"] == len(faults)
     assert_all_came_back(record, faults)
@@ -221,7 +222,7 @@ def test_a_wire_break_at_each_of_20000_steps_leaves_no_trace():
         for k in range(1, 20_001)
         if k % 400 == 0 or k - route.start_of(int(rows[k])) < 300
     ]
-    record, wrong = zd065.run(route, scenario_of(faults), EXACT)
+    record, wrong = run_machine(ZD065, route, scenario_of(faults), EXACT)
     assert not wrong
     assert_all_came_back(record, faults)
 
@@ -230,9 +231,9 @@ def test_a_power_cut_leaves_no_trace():
     """At each of 1,500 steps, then at every 20th up to 20,000: each state goes through a file."""
     route = route_of("cam")
     faults = [Fault(Trouble.POWER, k) for k in (*range(1, 1501), *range(1520, 20_001, 20))]
-    record, wrong = zd065.run(route, scenario_of(faults), EXACT)
+    record, wrong = run_machine(ZD065, route, scenario_of(faults), EXACT)
     assert not wrong
-    undisturbed = visits(zd065.run(route, scenario_of([]), EXACT)[0])
+    undisturbed = visits(run_machine(ZD065, route, scenario_of([]), EXACT)[0])
     assert (visits(record) == undisturbed).all()
     assert record.off_um == (0, 0)
     assert Counter(event.kind for event in record.events)["resume"] == len(faults)
@@ -245,17 +246,17 @@ def test_a_power_cut_within_a_take_up_or_on_a_way_back_leaves_no_trace(run, data
     route, setup, faults = run
     if not route.steps:
         return
-    whole, _ = zd065.run(route, scenario_of(faults), setup)
+    whole, _ = run_machine(ZD065, route, scenario_of(faults), setup)
     cuts = []
     for fault in faults:
         if fault.trouble is not Trouble.POWER:
-            back = steps_back(route, way_back(route, zd065.ANSWERS, fault))
+            back = steps_back(route, way_back(route, ZD065.answers, fault))
             fault = replace(fault, cut_after=data.draw(st.integers(0, back)))
         cuts.append(fault)
     step = data.draw(st.integers(0, route.steps))
     most = take_up_behind(route, step, setup)
     cuts.append(Fault(Trouble.POWER, step, pulses=data.draw(st.integers(0, most))))
-    record, wrong = zd065.run(route, scenario_of(cuts), setup)
+    record, wrong = run_machine(ZD065, route, scenario_of(cuts), setup)
     assert not wrong
     assert record.state == replace(whole.state, time_s=record.state.time_s)
     assert (record.walked, record.pulses) == (whole.walked, whole.pulses)
@@ -272,15 +273,15 @@ def test_a_state_goes_through_its_file_and_stops_where_the_power_failed(run, dat
     step = data.draw(st.integers(0, route.steps))
     pulses = data.draw(st.integers(0, take_up_behind(route, step, setup)))
     cut = Fault(Trouble.POWER, step, pulses=pulses)
-    record, _ = zd065.run(route, scenario_of([cut]), setup, stop_at_power=True)
+    record, _ = run_machine(ZD065, route, scenario_of([cut]), setup, stop_at_power=True)
     written = state_bytes(record.state)
     state, findings = read_state(written, "a.state")
     assert state == record.state
     assert not findings
-    assert not check_state(state, route, written.decode(), "a.state")
+    assert not check_state(state, "zd065", route, written.decode(), "a.state")
     assert state.stand.step == step
-    rest, _ = zd065.run(route, scenario_of([]), setup, state)
-    whole, _ = zd065.run(route, scenario_of([]), setup)
+    rest, _ = run_machine(ZD065, route, scenario_of([]), setup, state)
+    whole, _ = run_machine(ZD065, route, scenario_of([]), setup)
     assert rest.final_um == whole.final_um
     assert rest.pulses + record.pulses == whole.pulses
     assert rest.state.axes == whole.state.axes
@@ -288,9 +289,9 @@ def test_a_state_goes_through_its_file_and_stops_where_the_power_failed(run, dat
 
 def test_500_runs_end_in_the_same_place():
     route = two_holes()
-    undisturbed, _ = zd065.run(route, scenario_of([]), EXACT)
+    undisturbed, _ = run_machine(ZD065, route, scenario_of([]), EXACT)
     for seed in range(500):
-        record, wrong = zd065.run(route, scenario_of(drawn(seed, 6, route)), EXACT)
+        record, wrong = run_machine(ZD065, route, scenario_of(drawn(seed, 6, route)), EXACT)
         assert not wrong
         assert record.finished
         assert record.off_um == (0, 0)
@@ -305,7 +306,7 @@ def test_backlash_and_play_apart_are_off_by_their_difference_and_no_more(run):
     if not route.steps:
         return
     true = replace(setup, true_approach=setup.approach)
-    record, _ = zd065.run(route, scenario_of(faults), true)
+    record, _ = run_machine(ZD065, route, scenario_of(faults), true)
     most = [abs(b - p) for b, p in zip(true.backlash, true.play, strict=True)]
     assert record.off_um[0] <= most[0]
     assert record.off_um[1] <= most[1]
@@ -319,7 +320,7 @@ def test_a_wrong_approach_costs_the_whole_play_for_good(run):
     exact = replace(setup, play=setup.backlash, approach=(1, 1), true_approach=(-1, -1))
     if not route.steps:
         return
-    record, _ = zd065.run(route, scenario_of([]), exact)
+    record, _ = run_machine(ZD065, route, scenario_of([]), exact)
     for k in range(2):
         rows = np.flatnonzero(route.axis == k)
         if not len(rows):
@@ -346,7 +347,7 @@ def test_a_wrong_approach_costs_the_whole_play_for_good(run):
 )
 def test_a_fault_that_cannot_happen_is_an_error(fault, why):
     route = two_holes()
-    record, findings = zd065.run(route, scenario_of([fault_of(fault)]), EXACT)
+    record, findings = run_machine(ZD065, route, scenario_of([fault_of(fault)]), EXACT)
     assert record is None
     assert [d.code for d in findings] == ["bad-fault"]
     assert why in findings[0].message
@@ -354,11 +355,11 @@ def test_a_fault_that_cannot_happen_is_an_error(fault, why):
 
 def test_an_alarm_stops_the_machine_and_its_state_goes_on():
     route = two_holes()
-    record, _ = zd065.run(route, scenario_of([fault_of("short@800:101")]), EXACT)
+    record, _ = run_machine(ZD065, route, scenario_of([fault_of("short@800:101")]), EXACT)
     assert [event.kind for event in record.events] == ["short", "alarm"]
     assert record.state.stand.step == 700
     assert [d.code for d in record.findings] == ["alarm"]
-    rest, _ = zd065.run(route, scenario_of([]), EXACT, record.state)
+    rest, _ = run_machine(ZD065, route, scenario_of([]), EXACT, record.state)
     assert rest.finished
     assert [event.kind for event in rest.events][:2] == ["resume", "clear-alarm"]
     assert rest.final_um == tuple(route.place[-1].tolist())
@@ -367,9 +368,9 @@ def test_an_alarm_stops_the_machine_and_its_state_goes_on():
 def test_the_dry_run_takes_its_delay_a_step_and_knows_no_shorts():
     route = two_holes()
     dry = replace(EXACT, dry_ms=20)
-    record, _ = zd065.run(route, scenario_of([]), dry)
+    record, _ = run_machine(ZD065, route, scenario_of([]), dry)
     assert record.state.time_s == pytest.approx(0.02 * record.pulses)
-    _, findings = zd065.run(route, scenario_of([fault_of("short@800:5")]), dry)
+    _, findings = run_machine(ZD065, route, scenario_of([fault_of("short@800:5")]), dry)
     assert "in a dry run the generator is off" in findings[0].message
 
 
@@ -380,7 +381,7 @@ def test_the_ring_has_three_phases_and_six_steps():
 def test_the_feed_signal_changes_on_the_way():
     route = two_holes()
     slow = replace(EXACT, feed=10.0, backlash=(0, 0), play=(0, 0))
-    record, _ = zd065.run(route, scenario_of([], [(100, 50.0), (300, 10.0)]), slow)
+    record, _ = run_machine(ZD065, route, scenario_of([], [(100, 50.0), (300, 10.0)]), slow)
     moved = int(route.moves.sum())
     cut = route.steps - moved - 200
     assert record.state.time_s == pytest.approx(cut / 10 + 200 / 50 + moved * 0.005)
@@ -390,9 +391,9 @@ def test_who_goes_on_from_a_way_back_meets_faults_behind_its_end():
     """The power failed on the way to the thread point: the program begins again there."""
     route = route_of("key-punch")
     broken = replace(fault_of("break@9000"), cut_after=700)
-    record, _ = zd065.run(route, scenario_of([broken]), EXACT, stop_at_power=True)
+    record, _ = run_machine(ZD065, route, scenario_of([broken]), EXACT, stop_at_power=True)
     later = [fault_of("short@50:5"), fault_of("power@8000")]
-    rest, wrong = zd065.run(route, scenario_of(later), EXACT, record.state)
+    rest, wrong = run_machine(ZD065, route, scenario_of(later), EXACT, record.state)
     assert not wrong
     kinds = [event.kind for event in rest.events]
     assert kinds == ["resume", "back", "short", "clear", "power-cut", "resume", "end"]

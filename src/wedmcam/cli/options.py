@@ -17,6 +17,7 @@ from wedmcam.cli.lengths import CUTS, DEGREES, OFFSET, POINT, UNIT, Length, OfLa
 from wedmcam.option_table import ROWS, Kind, Panel, Row, field_rows, rows_of
 
 if TYPE_CHECKING:
+    from wedmcam.controllers.nby15.data import Switches
     from wedmcam.machines import Machine
     from wedmcam.options import Options
     from wedmcam.targets.entries import Entries
@@ -96,26 +97,8 @@ layer_side_option = option(ROWS["layer_sides"])
 side_option = option(ROWS["side"], help="For the largest offset: part (default) or die.")
 d_option = option(ROWS["d"])
 feed_option = option(ROWS["feed_um"])
-#: What the operator enters beside a file in the ZD-065's rotation or compensation format.
-turning_options = _stack(
-    click.option("--copies", type=int, help="Of a figure in rotation format, 0 to 99."),
-    click.option("--angle", type=DEGREES, help="Degrees from copy to copy."),
-    click.option(
-        "--lead-in",
-        type=POINT,
-        help="Line entered before such a figure, from the thread point to its start: X,Y in mm; or "
-        "for the lead of a compensation file of one contour, to the start of its outline.",
-    ),
-    click.option(
-        "--lead-out",
-        type=POINT,
-        help="Line entered behind the last copy, or for the lead back of such a file, X,Y in mm.",
-    ),
-    click.option(
-        "--open-loop",
-        is_flag=True,
-        help="The ZD-065 processes such data literally: roundings add up from block to block.",
-    ),
+#: Switches of an NBY-15.
+_SWITCHES = (
     click.option(
         "--correct",
         "correct_um",
@@ -141,6 +124,29 @@ turning_options = _stack(
         is_flag=True,
         help="Run what the corrector is not safe for all the same, into the limit switches.",
     ),
+)
+switch_options = _stack(*_SWITCHES)
+#: What the operator enters beside a file in the ZD-065's rotation or compensation format.
+turning_options = _stack(
+    click.option("--copies", type=int, help="Of a figure in rotation format, 0 to 99."),
+    click.option("--angle", type=DEGREES, help="Degrees from copy to copy."),
+    click.option(
+        "--lead-in",
+        type=POINT,
+        help="Line entered before such a figure, from the thread point to its start: X,Y in mm; or "
+        "for the lead of a compensation file of one contour, to the start of its outline.",
+    ),
+    click.option(
+        "--lead-out",
+        type=POINT,
+        help="Line entered behind the last copy, or for the lead back of such a file, X,Y in mm.",
+    ),
+    click.option(
+        "--open-loop",
+        is_flag=True,
+        help="The ZD-065 processes such data literally: roundings add up from block to block.",
+    ),
+    *_SWITCHES,
 )
 reading_options = _stack(
     click.option("--profile-in", metavar="NAME|FILE", help="Profile of the program that is read."),
@@ -353,13 +359,12 @@ def entered_in(params: dict[str, Any]) -> Entries:
     Raises:
         WrongUse: a lead that is no whole um, or entries that do not fit together.
     """
-    from wedmcam.controllers.nby15.data import Switches
     from wedmcam.targets.entries import entered_of
 
     def of(*names: str) -> list[Any]:
         return [params.pop(name) for name in names]
 
-    correct, scale, mirror, run_off = of("correct_um", "scale", "mirror_axes", "run_off")
+    switches, run_off = switches_in(params)
     copies, angle, lead_in, lead_out = of("copies", "angle", "lead_in", "lead_out")
     return entered_of(
         copies,
@@ -367,9 +372,18 @@ def entered_in(params: dict[str, Any]) -> Entries:
         lead_in,
         lead_out,
         open_loop=params.pop("open_loop"),
-        switches=Switches(correct, int(scale), "x" in mirror, "y" in mirror),
+        switches=switches,
         run_off=run_off,
     )
+
+
+def switches_in(params: dict[str, Any]) -> tuple[Switches, bool]:
+    """Take the switches of an NBY-15 out of parameters, and whether it may run off."""
+    from wedmcam.controllers.nby15.data import Switches
+
+    mirror = params.pop("mirror_axes")
+    correct, scale = params.pop("correct_um"), int(params.pop("scale"))
+    return Switches(correct, scale, "x" in mirror, "y" in mirror), params.pop("run_off")
 
 
 def check_source(name: str, from_: str | None) -> None:

@@ -10,7 +10,7 @@ from wedmcam.cli.terminal import print_text
 from wedmcam.operations.simulate import Simulation
 from wedmcam.reports.picture.simulation import hours
 from wedmcam.simulate.process import Way
-from wedmcam.simulate.record import Event, Record
+from wedmcam.simulate.record import Event, Record, in_um
 
 #: So many events are listed without -v, half of them the first ones and half the last.
 LISTED = 30
@@ -22,16 +22,19 @@ def print_simulation(simulation: Simulation, verbose: bool, state: str | None) -
     if record is None:
         return
     setup, route = record.setup, record.route
-    x, y = setup.backlash
     dry = setup.dry_ms is not None
     print_text(
         f"runs       {_number(len(route.program.blocks), 'block')}, {route.steps} steps on the "
-        f"{record.controller}: {'drawn dry' if dry else 'cut'}",
+        f"{record.controller.title}: {'drawn dry' if dry else 'cut'}",
         err=True,
     )
-    play = "" if setup.play == setup.backlash else ", play X {} Y {} um".format(*setup.play)
     delay = f"{setup.dry_ms} ms a step; " if dry else ""
-    print_text(f"enter      {delay}backlash X {x} Y {y} um{play}{_approach(record)}", err=True)
+    play = "play X {} Y {} um".format(*in_um(route, setup.play))
+    if record.controller.takes_up_play:
+        x, y = in_um(route, setup.backlash)
+        play = f", {play}" if setup.play != setup.backlash else ""
+        play = f"backlash X {x} Y {y} um{play}"
+    print_text(f"enter      {delay}{play}{_approach(record)}", err=True)
     _print_events(record, verbose)
     _print_end(record)
     if simulation.servo is not None:
@@ -140,6 +143,12 @@ _SENTENCES = {
     "power-cut": "the power fails{within}; the state is saved",
     "resume": "resume from the saved state",
     "end": "end of the program",
+    "front": "where the short circuit was: FORWARD",
+    "stop": "ALARM: emergency stop",
+    "start": "the operator has seen to it: cut on",
+    "limit": "ALARM: a limit switch",
+    "tape": "TAPE: no more of the tape is read",
+    "no-tape": "nothing is left of what was read ahead: the tape is put in, and it is cut on",
 }
 
 

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from wedmcam.simulate import zd065
 from wedmcam.simulate.feeding import PULSES_HZ, feeding_of
 from wedmcam.simulate.gap import Workpiece
 from wedmcam.simulate.laws import LAWS
@@ -21,7 +20,9 @@ from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Way
 from wedmcam.simulate.record import Record
 from wedmcam.simulate.route import Route
+from wedmcam.simulate.run import run
 from wedmcam.simulate.scenario import Fault, Trouble, scenario_of
+from wedmcam.simulate.zd065 import ZD065
 
 _FORWARD = [list(Way).index(way) for way in (Way.CUT, Way.MOVE)]
 
@@ -152,7 +153,7 @@ def _trial(
     last = route.steps if steps is None else min(steps, route.steps)
     ends = scenario_of([Fault(Trouble.POWER, last)])
     still = Setup(backlash=(0, 0), play=(0, 0))
-    record, _ = zd065.run(route, ends, still, stop_at_power=True, feeder=feeding)
+    record, _ = run(ZD065, route, ends, still, stop_at_power=True, feeder=feeding)
     assert record is not None, "the power may fail at each step of a route"
     return Trial(seed=seed, steps=last, exact=cut_in_order(record, last), **feeding.figures)
 

@@ -15,25 +15,26 @@ from wedmcam.diag import Diagnostic, FileSpan, TextSpan, error, has_errors, note
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
 from wedmcam.judge.certificate import finding_data
-from wedmcam.machines import Machine, reading
+from wedmcam.machines import Machine, is_builtin
 from wedmcam.operations.profiles import reader_machine
-from wedmcam.simulate import zd065
 from wedmcam.simulate.conditions import Conditions, setup_of
-from wedmcam.simulate.feeding import feeding_of
+from wedmcam.simulate.controller import Controller
+from wedmcam.simulate.controllers import ALIASES, CONTROLLERS, controller_of
+from wedmcam.simulate.feeding import Feeding, feeding_of
+from wedmcam.simulate.laws import LAWS
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Mode
 from wedmcam.simulate.read import read_scenario
-from wedmcam.simulate.record import Record
-from wedmcam.simulate.route import Route, lay
+from wedmcam.simulate.record import Record, in_um
+from wedmcam.simulate.route import Route
+from wedmcam.simulate.run import run as run_machine
 from wedmcam.simulate.scenario import HOW, Fault, Scenario, drawn, fault_of, scenario_of
 from wedmcam.simulate.state import State, check_state, read_state, state_bytes
+from wedmcam.simulate.zd065 import ZD065
 from wedmcam.targets import Entries, target_of
 
 #: A name and bytes.
 Named = tuple[str, bytes]
-
-#: Controller -> format of the programs that it runs.
-CONTROLLERS = {"zd065": "compact"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,6 +101,8 @@ def simulate_program(
     source: Source,
     *,
     controller: str = "zd065",
+    profile: str | None = None,
+    entries: Entries | None = None,
     scenario: Source | Named | None = None,
     resume: Source | Named | None = None,
     faults: Sequence[str | Fault] = (),
@@ -111,12 +114,16 @@ def simulate_program(
     """Run a program on a simulated controller, with faults.
 
     Args:
-        source: a program that the controller reads: for the ZD-065 its cutting format.
-        controller: "zd065".
+        source: a program that the controller reads: for the ZD-065 its cutting format, a tape of
+            the NBY-15, job records of the DEM-15.
+        controller: "zd065", "nby15", or "eindhoven" (or "dem15").
+        profile: a built-in one of its format; None for the usual one.
+        entries: the switches of an NBY-15.
         scenario: a TOML file, its bytes, or its name and bytes: what happens.
         resume: a state, likewise: go on from there.
         faults: more faults, ``short@STEP:LENGTH_UM``, ``break@STEP[:BLOCK]``,
-            ``power@STEP[+PULSES]``, or `Fault` values.
+            ``power@STEP[+PULSES]``, of other machines than the ZD-065 ``stop@STEP``,
+            ``limit@STEP``, ``tape@STEP``; or `Fault` values.
         stop_at_power: a power cut ends the run, and its state is returned; else the state is saved,
             read, and the run goes on.
         strict: warnings are errors.
@@ -132,31 +139,45 @@ def simulate_program(
             state.
         OSError: a path cannot be read.
     """
-    if controller not in CONTROLLERS:
-        raise WrongUse(f"no controller is called '{controller}': {' or '.join(CONTROLLERS)}")
+    machine = controller_of(controller)
+    if machine is None:
+        raise WrongUse(
+            f"no controller is called '{controller}': {', '.join([*CONTROLLERS, *ALIASES])}"
+        )
     data, name = bytes_of(source, name)
     sha256 = hashlib.sha256(data).hexdigest()
     conditions = Conditions(faults=tuple(map(_fault, faults)), **stated)
     servo = conditions.servo
-    feeding = None if servo is None else feeding_of(*servo, attended=False)
+    feeding: Feeding | None = None
+    if servo is not None and servo[0] not in LAWS:
+        raise WrongUse(f"no servo is called '{servo[0]}': {', '.join(LAWS)}")
     run = Run(strict)
     record: Record | None = None
     try:
-        route = run("read", _read_route(data, name, controller))
+        route = run("read", _read_route(data, name, machine, profile, entries or Entries()))
         if scenario is not None:
             stated_there = run("scenario", stated_in(*_named(scenario, "scenario")))
             conditions = conditions.over(stated_there)
-        state = None if resume is None else run("state", _resumed(*_named(resume, "state"), route))
-        setup = run("enter", _entered(conditions, state, name))
-        happens = run("enter", _scenario_of(conditions, route, state))
-        ran = zd065.run(route, happens, setup, state, stop_at_power=stop_at_power, feeder=feeding)
+        state = (
+            None
+            if resume is None
+            else run("state", _resumed(*_named(resume, "state"), machine, route))
+        )
+        setup = run("enter", _entered(conditions, machine, route, state, name))
+        happens = run("enter", _scenario_of(conditions, machine, route, state))
+        feeding = (
+            None if servo is None else feeding_of(*servo, step_um=route.step_um, attended=False)
+        )
+        ran = run_machine(
+            machine, route, happens, setup, state, stop_at_power=stop_at_power, feeder=feeding
+        )
         record = run("run", ran)
         run.add("run", record.findings)
     except Refused:
         pass
     cut = stop_at_power and record is not None and _ended_by_power(record)
     figures = None if feeding is None or record is None else feeding.figures
-    return Simulation(name, controller, sha256, record, tuple(run.findings), cut, figures)
+    return Simulation(name, machine.name, sha256, record, tuple(run.findings), cut, figures)
 
 
 def _ended_by_power(record: Record) -> bool:
@@ -173,24 +194,44 @@ def _fault(text: str | Fault) -> Fault:
     return fault
 
 
-def _read_route(data: bytes, name: str, controller: str) -> tuple[Route | None, list[Diagnostic]]:
-    """Return the route of a program as the controller reads it: of another format only why not."""
-    # The built-in profile: the frame of the controller, whose axes nothing exchanges.
-    wanted = reading(CONTROLLERS[controller])
-    machine = reader_machine(data, name, None, None)
-    if machine != wanted:
-        return None, [_other_format(machine, name)]
-    program, findings = target_of(wanted).read(data, name, Entries())
+def _read_route(
+    data: bytes, name: str, controller: Controller, profile: str | None, entries: Entries
+) -> tuple[Route | None, list[Diagnostic]]:
+    """Return the route of a program as the controller reads it: of another format only why not.
+
+    Raises:
+        WrongUse: a profile that is not built in, or of another format; entries of another machine.
+    """
+    entries.check(controller.format, controller.format)
+    machine = reader_machine(data, name, None, profile)
+    if not machine.is_of(controller.format):
+        return None, [_other_format(machine, controller, name)]
+    # Built-in profiles: the frame of the controller, whose axes nothing exchanges.
+    if not is_builtin(machine):
+        raise WrongUse(f"the profile '{machine.name}' is not built in")
+    program, findings = target_of(machine).read(data, name, entries)
     if has_errors(findings):
         return None, list(findings)
-    route = lay(program, wanted.stepping)
+    route = controller.lay(program, machine.stepping)
     if not route.steps:
         found = error("empty-program", "the program makes no step", FileSpan(name))
         return None, [*findings, found]
     return route, list(findings)
 
 
-def _other_format(machine: Machine, name: str) -> Diagnostic:
+def _other_format(machine: Machine, controller: Controller, name: str) -> Diagnostic:
+    text = "the {title} runs {programs}; this one is in the format {format}"
+    if controller is not ZD065:
+        return error(
+            "other-format",
+            text,
+            FileSpan(name),
+            hint="wedmcam compile DRAWING -o NAME{suffix} makes one of its drawing",
+            title=controller.title,
+            programs=controller.programs,
+            format=machine.format,
+            suffix=controller.suffix,
+        )
     target = target_of(machine)
     entered = ""
     if target.makes_path:
@@ -198,9 +239,11 @@ def _other_format(machine: Machine, name: str) -> Diagnostic:
         entered = " --gap LENGTH --side die" if target.takes_gap else turns
     return error(
         "other-format",
-        "the ZD-065 cuts programs in its cutting format; this one is in the format {format}",
+        text,
         FileSpan(name),
         hint="wedmcam convert {file} -o NAME.zd{entered} makes one of it",
+        title=controller.title,
+        programs=controller.programs,
         format=machine.format,
         file=name,
         entered=entered,
@@ -231,40 +274,51 @@ def stated_in(name: str, data: bytes) -> tuple[Conditions | None, list[Diagnosti
     return read_scenario(text, name)
 
 
-def _resumed(name: str, data: bytes, route: Route) -> tuple[State | None, list[Diagnostic]]:
+def _resumed(
+    name: str, data: bytes, controller: Controller, route: Route
+) -> tuple[State | None, list[Diagnostic]]:
     """Return the state of a file, which has to be one of this program."""
     state, findings = read_state(data, name)
     if state is None:
         return None, findings
-    wrong = check_state(state, route, data.decode("ascii"), name)
+    wrong = check_state(state, controller.name, route, data.decode("ascii"), name)
     return (None, wrong) if wrong else (state, [])
 
 
 def _entered(
-    c: Conditions, state: State | None, name: str
+    c: Conditions, controller: Controller, route: Route, state: State | None, name: str
 ) -> tuple[Setup | None, list[Diagnostic]]:
-    """Return the machine of a run: without backlash figures it refuses to cut.
+    """Return the machine of a run: without backlash figures a ZD-065 refuses to cut.
 
     Raises:
-        WrongUse: other figures than those of the state.
+        WrongUse: other figures than those of the state, or some that the machine does not take.
     """
+    title = controller.title
+    if c.backlash is not None and not controller.takes_up_play:
+        raise WrongUse(
+            f"the {title} takes up no play: leave --backlash out; --play X,Y is that of its screws"
+        )
+    if (c.feed is not None or c.feeds) and not controller.takes_feed:
+        raise WrongUse(f"the program of the {title} states its speeds: leave --feed out")
+    if c.dry_ms is not None and not controller.runs_dry:
+        raise WrongUse(f"the {title} has no dry run")
     if state is not None:
-        c = _as_saved(c, state)
+        c = _as_saved(c, state, route)
     if c.backlash is not None:
-        return setup_of(c, c.backlash), []
-    if c.dry_ms is not None:
+        return setup_of(c, c.backlash, route.step_um), []
+    if c.dry_ms is not None or not controller.takes_up_play:
         # No play is entered for the pen, and it is given none.
-        return setup_of(c, (0, 0)), []
+        return setup_of(c, (0, 0), route.step_um), []
     text = "the backlash of x and y is not entered: the controller refuses to cut"
     hint = "--backlash X,Y in um, as measured at the machine; 0,0 for one without play"
     return None, [error("no-backlash", text, FileSpan(name), hint=hint)]
 
 
-def _as_saved(c: Conditions, state: State) -> Conditions:
+def _as_saved(c: Conditions, state: State, route: Route) -> Conditions:
     """Return conditions with the figures of a state, which may be stated, but not otherwise."""
     saved: dict[str, Any] = {
-        "backlash": state.backlash,
-        "play": state.play,
+        "backlash": in_um(route, state.backlash),
+        "play": in_um(route, state.play),
         "approach": state.approach,
         "true_approach": state.true_approach,
         "dry_ms": state.dry_ms,
@@ -286,13 +340,15 @@ def _shown(value: Any) -> str:
 
 
 def _scenario_of(
-    c: Conditions, route: Route, state: State | None
+    c: Conditions, controller: Controller, route: Route, state: State | None
 ) -> tuple[Scenario, list[Diagnostic]]:
     """Return what happens, and what to say of random faults.
 
     A run that goes on from a power cut draws what the one before drew, and has had the first ones.
     """
-    random = () if c.random is None else drawn(c.random[1], c.random[0], route)
+    random: tuple[Fault, ...] = ()
+    if c.random is not None:
+        random = drawn(c.random[1], c.random[0], route, controller.answers.troubles)
     findings = []
     if c.random is not None and not random:
         text = "nothing of this program is cut: no random fault can happen"
@@ -302,8 +358,8 @@ def _scenario_of(
         count = len(random)
         random = tuple(fault for fault in random if fault.step > begin)
         if passed := count - len(random):
-            text = "{passed} of {drawn} random faults happened up to step {begin}, before this run"
-            findings = [note("fault-passed", text, None, passed=passed, drawn=count, begin=begin)]
+            gone = "{passed} of {drawn} random faults happened up to step {begin}, before this run"
+            findings = [note("fault-passed", gone, None, passed=passed, drawn=count, begin=begin)]
     return scenario_of((*c.faults, *random), c.feeds), findings
 
 
@@ -320,13 +376,13 @@ def _figures(record: Record) -> dict[str, Any]:
         "pulses": record.pulses,
         "take_up_pulses": record.pulses - record.walked,
         "final_um": pair(record.final_um),
-        "motor_um": [x.motor, y.motor],
+        "motor_um": pair(in_um(route, (x.motor, y.motor))),
         "commanded_um": pair(record.commanded_um),
         "off_um": pair(record.off_um),
         "time_s": round(record.state.time_s, 6),
         "seconds": {kind: round(value, 6) for kind, value in record.spent.items()},
-        "backlash_um": pair(setup.backlash),
-        "play_um": pair(setup.play),
+        "backlash_um": pair(in_um(route, setup.backlash)),
+        "play_um": pair(in_um(route, setup.play)),
         "approach": pair(setup.approach),
         "true_approach": pair(setup.true_approach),
         "dry_ms": setup.dry_ms,

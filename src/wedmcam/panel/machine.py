@@ -15,14 +15,15 @@ from wedmcam.machines import reading
 from wedmcam.operations import memory
 from wedmcam.operations.convert import convert
 from wedmcam.operations.memory import Image, Recognition
-from wedmcam.simulate import zd065
 from wedmcam.simulate.conditions import Conditions, setup_of
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Mode, steps_back, way_back
 from wedmcam.simulate.record import Event, Record, table_of
 from wedmcam.simulate.route import Route, lay
+from wedmcam.simulate.run import initial, run
 from wedmcam.simulate.scenario import Fault, Trouble, scenario_of
 from wedmcam.simulate.state import State, check_state, read_state, state_bytes
+from wedmcam.simulate.zd065 import ZD065
 from wedmcam.targets import target_of
 from wedmcam.targets.entries import Entries
 
@@ -227,7 +228,7 @@ class Machine:
         self.route = route
         backlash = self.conditions.backlash or (0, 0)
         self.setup = setup_of(replace(self.conditions, dry_ms=dry_ms), backlash)
-        self.state = zd065.initial(route, self.setup)
+        self.state = initial(ZD065, route, self.setup)
         what = "cut" if dry_ms is None else f"draw dry, {dry_ms} ms a step"
         return [self.shown(f"{what}: {len(route.program.blocks)} blocks, {route.steps} steps")]
 
@@ -287,7 +288,7 @@ class Machine:
         if block is not None and not 1 <= block <= self.route.reading(step).block:
             raise Denied(8, f"block {block} was not reached")
         fault = Fault(Trouble.BREAK, step, block=block)
-        back = steps_back(self.route, way_back(self.route, zd065.ANSWERS, fault))
+        back = steps_back(self.route, way_back(self.route, ZD065.answers, fault))
         self._go([replace(fault, cut_after=back)])
         return [self.shown(f"returned, {back} steps; ready to cut on")]
 
@@ -301,7 +302,9 @@ class Machine:
         assert self.tape is not None
         assert self.route is not None
         state, findings = read_state(self.tape, "tape")
-        wrong = findings if state is None else check_state(state, self.route, "", "tape")
+        wrong = (
+            findings if state is None else check_state(state, ZD065.name, self.route, "", "tape")
+        )
         assert state is not None, wrong
         self.state, self.tape = state, None
         return [self.shown("the state is read from the tape; ready to cut on")]
@@ -311,8 +314,8 @@ class Machine:
         assert self.setup is not None
         assert self.state is not None
         before = self.state.time_s
-        record, wrong = zd065.run(
-            self.route, scenario_of(faults), self.setup, self.state, stop_at_power=True
+        record, wrong = run(
+            ZD065, self.route, scenario_of(faults), self.setup, self.state, stop_at_power=True
         )
         if record is None:
             raise Denied(1, wrong[0].message)

@@ -5,22 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from wedmcam.diag import Diagnostic, error
+from wedmcam.simulate.controller import Answers, Controller
 from wedmcam.simulate.motion import Setup
-from wedmcam.simulate.process import Answers, Stand, steps_back, way_back
+from wedmcam.simulate.process import Stand, steps_back, way_back
 from wedmcam.simulate.route import Route
 from wedmcam.simulate.scenario import Fault, Scenario, Trouble
 from wedmcam.simulate.state import State
 
 
 def check_scenario(
-    scenario: Scenario, route: Route, answers: Answers, setup: Setup, begin: State
+    scenario: Scenario, route: Route, controller: Controller, setup: Setup, begin: State
 ) -> list[Diagnostic]:
     """Return an error for each fault and feed that cannot happen.
 
     Args:
         scenario: of a run.
         route: of its program.
-        answers: of the controller.
+        controller: of the machine.
         setup: of the machine.
         begin: of the run.
     """
@@ -29,15 +30,38 @@ def check_scenario(
     out = []
     for fault in scenario.faults:
         out += (
-            _outside(fault, route, begin.stand)
+            _unknown(fault, controller)
+            or _outside(fault, route, begin.stand)
             or _generator_off(fault, route, setup)
             or _not_reached(fault, route)
             or _take_up(fault, route, setup, begin, taken.get(fault.step, 0))
-            or _way_back(fault, route, answers)
+            or _way_back(fault, route, controller.answers)
         )
         if fault.pulses:
             taken[fault.step] = taken.get(fault.step, 0) + fault.pulses
     return out
+
+
+def _unknown(fault: Fault, controller: Controller) -> list[Diagnostic]:
+    answers, title = controller.answers, controller.title
+    if fault.trouble not in answers.troubles:
+        text = "{fault}: the {title} knows no such fault"
+        known = sorted(answers.troubles)
+        return [
+            error(
+                "bad-fault",
+                text,
+                fault.span,
+                hint="it knows {troubles}",
+                fault=str(fault),
+                title=title,
+                troubles=[str(one) for one in known],
+            )
+        ]
+    if fault.block is not None and not answers.returns:
+        spot = "{fault}: the {title} returns to no block: the wire is threaded where it broke"
+        return [error("bad-fault", spot, fault.span, fault=str(fault), title=title)]
+    return []
 
 
 def _outside(fault: Fault, route: Route, begin: Stand) -> list[Diagnostic]:
@@ -56,7 +80,7 @@ def _outside(fault: Fault, route: Route, begin: Stand) -> list[Diagnostic]:
 def _generator_off(fault: Fault, route: Route, setup: Setup) -> list[Diagnostic]:
     dry = setup.dry_ms is not None
     off = fault.step > 0 and bool(route.moves[fault.step - 1])
-    if fault.trouble is Trouble.POWER or not (dry or off):
+    if fault.trouble not in (Trouble.SHORT, Trouble.BREAK) or not (dry or off):
         return []
     where = "in a dry run" if dry else "on a positioning move"
     text = "{fault}: {where} the generator is off; wires neither short nor break"
@@ -99,7 +123,7 @@ def _left(route: Route, step: int, setup: Setup, begin: State) -> int:
 
 def _way_back(fault: Fault, route: Route, answers: Answers) -> list[Diagnostic]:
     after = fault.cut_after
-    if after is not None and fault.trouble is not Trouble.POWER:
+    if after is not None and fault.trouble in (Trouble.SHORT, Trouble.BREAK):
         back = steps_back(route, way_back(route, answers, fault))
         if after > back:
             far = "{fault}: the way back has {back} steps, and the power fails behind {after}"

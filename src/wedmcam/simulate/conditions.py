@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+from wedmcam.diag.run import WrongUse
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.scenario import Fault
 
@@ -68,20 +69,30 @@ class Conditions:
         return Conditions(**values)
 
 
-def setup_of(c: Conditions, backlash: Pair) -> Setup:
+def setup_of(c: Conditions, backlash: Pair, step_um: int = 1) -> Setup:
     """Return the machine of a run.
 
     Args:
         c: what is stated.
-        backlash: what is entered, or goes for entered: a dry run takes up no play by itself.
+        backlash: what is entered, um, or goes for entered: a dry run takes up no play by itself.
+        step_um: one step of the motors.
+
+    Raises:
+        WrongUse: a length that is no whole number of steps.
     """
     approach = c.approach or (1, 1)
     return Setup(
-        backlash=backlash,
-        play=c.play or backlash,
+        backlash=_in_steps("backlash", backlash, step_um),
+        play=_in_steps("play", c.play or backlash, step_um),
         approach=approach,
         true_approach=c.true_approach or approach,
         feed=c.feed or FEED,
         return_ms=c.return_ms or RETURN_MS,
         dry_ms=c.dry_ms,
     )
+
+
+def _in_steps(what: str, um: Pair, step_um: int) -> Pair:
+    if um[0] % step_um or um[1] % step_um:
+        raise WrongUse(f"{what} {um[0]},{um[1]} um: a step of the motors is {step_um} um")
+    return um[0] // step_um, um[1] // step_um

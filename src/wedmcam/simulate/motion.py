@@ -1,6 +1,6 @@
 """The motors and the table along a walk: every step with its take-up of play, place and time.
 
-Arrays over the steps of a walk, in their order, back and forth. Micrometres from the start of the
+Arrays over the steps of a walk, in their order, back and forth. Steps from the start of the
 program; seconds.
 """
 
@@ -30,8 +30,8 @@ class Setup:
     """What is entered before a program is run, and what the machine is like.
 
     Attributes:
-        backlash: of x and y as entered, um.
-        play: of the screws, um; with a true model the same.
+        backlash: of x and y as entered, steps.
+        play: of the screws, steps; with a true model the same.
         approach: directions of the last approach as entered, +1 or -1.
         true_approach: as they were.
         feed: of the generator's signal, steps a second.
@@ -122,7 +122,7 @@ def move(
         table[:, k] = at - (0 if setup.true_approach[k] > 0 else setup.play[k])
         ends.append(end)
     ways = np.array([WAYS.index(one.way) for one in legs], dtype=np.uint8)[leg]
-    seconds = _durations(ways, step, ups, setup, feeds)
+    seconds = _durations(route, ways, step, ups, setup, feeds)
     time = np.cumsum(_as_served(legs, lengths, seconds, ups, setup))
     return Motion(axis, sign, step, ways, ups, commanded, motor, table, time, (ends[0], ends[1]))
 
@@ -152,7 +152,7 @@ def batches(
 
 
 def commanded_at(route: Route, stand: Stand) -> tuple[int, int]:
-    """Return where the controller has the machine, um from the start of the program."""
+    """Return where the controller has the machine, steps from the start of the program."""
     x, y = route.place[stand.step].tolist()
     if stand.mode is Mode.SHORTEST and stand.made:
         leg = Leg(Way.SHORTEST, stand.step, stand.target, 0, stand.made)
@@ -212,6 +212,7 @@ def _as_served(
 
 
 def _durations(
+    route: Route,
     ways: NDArray[np.uint8],
     step: Ints,
     ups: Ints,
@@ -226,4 +227,9 @@ def _durations(
     delay = setup.return_ms / 1000
     # Step k is the first one with a feed that is stated from place k - 1 on.
     feed = rates[np.searchsorted(since, step - 1, side="right")]
-    return np.float64(delay) * ups + np.where(ways == WAYS.index(Way.CUT), 1.0 / feed, delay)
+    forward = np.isin(ways, [WAYS.index(Way.CUT), WAYS.index(Way.SERVO_FEED)])
+    own = np.where(forward, 1.0 / feed, delay)
+    if route.seconds is not None:
+        forward |= ways == WAYS.index(Way.MOVE)
+        own = np.where(forward, route.seconds[np.maximum(step - 1, 0)], delay)
+    return np.float64(delay) * ups + own

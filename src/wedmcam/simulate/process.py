@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.simulate.controller import Answers
 from wedmcam.simulate.route import Halt, Route
 from wedmcam.simulate.scenario import Fault, Scenario, Trouble, last_thread
 
@@ -27,6 +28,7 @@ class Way(StrEnum):
     RETREAT = "retreat"  # back along the path from a short circuit
     RETURN = "return"  # back along the path after a wire break
     SHORTEST = "shortest"  # straight to the thread point
+    SERVO_FEED = "servo-feed"  # forward over what is cut, with a reference current
 
 
 #: All kinds of ways; arrays hold a way as its index here.
@@ -56,6 +58,7 @@ class Stand:
         made: steps of the straight way that are made.
         short: after a retreat the short circuit is still there.
         goes_on: the operator clears an alarm, and cuts on.
+        front: number of the farthest place that the wire has come to.
     """
 
     mode: Mode = Mode.FORWARD
@@ -64,6 +67,7 @@ class Stand:
     made: int = 0
     short: bool = False
     goes_on: bool = False
+    front: int = 0
 
     @property
     def place(self) -> int:
@@ -96,6 +100,13 @@ class Leg:
         """How many steps it makes."""
         return self.count if self.way is Way.SHORTEST else abs(self.last - self.first)
 
+    def part(self, first: int, last: int) -> Leg:
+        """Return the part of a leg along the path that lies between two of its places."""
+        if self.seconds is None:
+            return replace(self, first=first, last=last)
+        rows = sorted((abs(first - self.first), abs(last - self.first)))
+        return replace(self, first=first, last=last, seconds=self.seconds[slice(*rows)])
+
     def pieces(self, most: int) -> Iterator[Leg]:
         """Yield the leg in pieces of so many steps at most."""
         if self.steps <= most:
@@ -107,10 +118,7 @@ class Leg:
         else:
             up = 1 if self.last > self.first else -1
             for first in range(self.first, self.last, up * most):
-                count = min(most, abs(self.last - first))
-                made, seconds = abs(first - self.first), self.seconds
-                part = None if seconds is None else seconds[made : made + count]
-                yield replace(self, first=first, last=first + up * count, seconds=part)
+                yield self.part(first, first + up * min(most, abs(self.last - first)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +126,8 @@ class Incident:
     """Something that happened between two steps.
 
     Attributes:
-        kind: pause, thread-point, short, clear, alarm, clear-alarm, break, back, power-cut,
-            resume, end.
+        kind: pause, thread-point, short, clear, front, alarm, clear-alarm, break, back, power-cut,
+            resume, stop, start, limit, tape, no-tape, end.
         walked: how many steps were made before it, back and forth, in this run.
         step: number of the place.
         more: what else there is to say of it.
@@ -148,19 +156,6 @@ class Walk:
     stand: Stand
     cut: Fault | None
     faults: tuple[Fault, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Answers:
-    """What a controller does about faults.
-
-    Attributes:
-        retreat: so many steps it goes back from a short circuit at most.
-        shortest: with one thread point it returns to it straight.
-    """
-
-    retreat: int
-    shortest: bool
 
 
 class Turn(NamedTuple):
@@ -196,16 +191,17 @@ def way_back(route: Route, answers: Answers, fault: Fault) -> Stand:
     """Return how a controller starts back from a short circuit or a wire break."""
     step = fault.step
     thread = last_thread(route, step)
+    begin = Stand(Mode.RETURN, step, thread, goes_on=fault.goes_on, front=step)
     if fault.trouble is Trouble.SHORT:
         # A retreat ends at the last thread point [R]: behind it lies a move without a wire.
-        back = min(fault.length, answers.retreat, step - thread)
-        short = fault.length > back
-        return Stand(Mode.RETREAT, step, step - back, short=short, goes_on=fault.goes_on)
+        length = -(-fault.length // route.step_um)
+        back = min(length, answers.retreat, step - thread)
+        return replace(begin, mode=Mode.RETREAT, target=step - back, short=length > back)
     if fault.block is not None:
-        return Stand(Mode.RETURN, step, route.start_of(fault.block))
+        return replace(begin, target=route.start_of(fault.block))
     if answers.shortest and not route.threads.any():
-        return Stand(Mode.SHORTEST, step, 0)
-    return Stand(Mode.RETURN, step, thread)
+        return replace(begin, mode=Mode.SHORTEST, target=0)
+    return begin
 
 
 def steps_back(route: Route, stand: Stand) -> int:
@@ -251,6 +247,8 @@ class _Process:
         self.incidents: list[Incident] = []
         self.walked = 0
         self.cut: Fault | None = None
+        # Where nothing is left of what was read ahead.
+        self._unread: list[Halt] = []
         # At the very start a halt is still to come; elsewhere the machine was there before.
         self._halts = self._halts_behind(-1 if stand == Stand() else stand.step)
 
@@ -276,8 +274,8 @@ class _Process:
             if not self._forward_to(self._halts[-1].step):
                 return
             halt = self._halts.pop()
-            kind = "thread-point" if halt.thread else "pause"
-            self._log(kind, halt_block=halt.block)
+            self._unread = [one for one in self._unread if one is not halt]
+            self._log(halt.kind, halt_block=halt.block)
         if not self._forward_to(goal):
             return
         if fault is None:
@@ -290,8 +288,16 @@ class _Process:
             return
         more = {"length": fault.length} if fault.trouble is Trouble.SHORT else {}
         self._log(str(fault.trouble), **more)
-        self.stand = way_back(self.route, self.answers, fault)
-        self._go_back(fault)
+        if fault.trouble is Trouble.TAPE:
+            self._lose_tape()
+        elif fault.trouble in (Trouble.STOP, Trouble.LIMIT) or (
+            fault.trouble is Trouble.BREAK and not self.answers.returns
+        ):
+            self._stop(fault)
+        else:
+            front = max(self.stand.front, fault.step)
+            self.stand = replace(way_back(self.route, self.answers, fault), front=front)
+            self._go_back(fault)
 
     def _forward_to(self, goal: int) -> bool:
         """Go to a place; return whether the machine has come there without an alarm."""
@@ -300,9 +306,39 @@ class _Process:
                 if not self._feed(self.feeder, last):
                     return False
             else:
-                self._add(Leg(way, self.stand.step, last))
-                self.stand = replace(self.stand, step=last)
+                self._advance(Leg(way, self.stand.step, last))
         return True
+
+    def _advance(self, leg: Leg) -> None:
+        """Go forward; over what is cut with the servo feed, where the controller has one."""
+        front = self.stand.front
+        if self.answers.servo_feed and leg.way is Way.CUT and leg.first < front:
+            again = min(front, leg.last)
+            self._add(replace(leg.part(leg.first, again), way=Way.SERVO_FEED))
+            self.stand = replace(self.stand, step=again)
+            if again == front:
+                self._log("front")
+            leg = leg.part(again, leg.last)
+        self._add(leg)
+        self.stand = replace(self.stand, step=leg.last, front=max(front, leg.last))
+
+    def _stop(self, fault: Fault) -> None:
+        """Stop on the spot; but for a limit switch the operator starts the machine again."""
+        if fault.trouble is Trouble.LIMIT:
+            self.stand = replace(self.stand, mode=Mode.ALARM)
+            if fault.goes_on:
+                self._clear_alarm()
+            return
+        if self.feeder is not None:
+            self.feeder.clear()
+        self._log("start")
+
+    def _lose_tape(self) -> None:
+        """Read no more: what is read ahead is run, then the operator puts the tape in again."""
+        halt = self.route.unread(self.stand.step, self.answers.ahead)
+        if halt is not None:
+            self._unread.append(halt)
+            self._halts = self._halts_behind(self.stand.step)
 
     def _feed(self, feeder: Feeder, goal: int) -> bool:
         """Let a servo go to a place of a stretch on which the generator is on."""
@@ -319,13 +355,17 @@ class _Process:
                 back = leg.way is Way.RETREAT
                 if back:
                     self._log("short", length=leg.steps)
-                self._add(leg)
-                self.stand = replace(self.stand, step=leg.last)
+                    self._add(leg)
+                    self.stand = replace(self.stand, step=leg.last)
+                else:
+                    self._advance(leg)
                 if back and (turn.back is None or leg is not turn.legs[-1]):
                     self._log("clear")
             if turn.back is None:
                 return True
-            self.stand = Stand(Mode.ALARM, turn.step, turn.step, short=True)
+            self.stand = replace(
+                self.stand, mode=Mode.ALARM, step=turn.step, target=turn.step, short=True
+            )
             self._log("alarm", back=turn.back)
             if not feeder.attended or (cleared and not turn.legs):
                 return False
@@ -365,7 +405,7 @@ class _Process:
         """End a way back: cut on, or stop with an alarm."""
         stand = self.stand
         if stand.mode is not Mode.RETREAT:
-            self.stand = Stand(Mode.FORWARD, stand.target)
+            self.stand = Stand(Mode.FORWARD, stand.target, front=stand.front)
             thread = stand.target in self.route.threads
             block = int(self.route.rows(np.array([stand.target + 1]))[0]) + 1
             self._log("back", where="the thread point" if thread else f"the start of block {block}")
@@ -375,14 +415,14 @@ class _Process:
             if stand.goes_on:
                 self._clear_alarm()
         else:
-            self.stand = Stand(Mode.FORWARD, stand.step)
+            self.stand = Stand(Mode.FORWARD, stand.step, front=stand.front)
             self._log("clear")
         self._halts = self._halts_behind(self.stand.step)
 
     def _clear_alarm(self) -> None:
         if self.feeder is not None:
             self.feeder.clear()
-        self.stand = Stand(Mode.FORWARD, self.stand.step)
+        self.stand = Stand(Mode.FORWARD, self.stand.step, front=self.stand.front)
         self._log("clear-alarm")
 
     # --- all modes ----------------------------------------------------------------------------
@@ -394,7 +434,8 @@ class _Process:
 
     def _halts_behind(self, step: int) -> list[Halt]:
         """Return the halts that are still to come, the next one last."""
-        return [halt for halt in reversed(self.route.halts) if halt.step > step]
+        every = sorted([*self.route.halts, *self._unread], key=lambda halt: -halt.step)
+        return [halt for halt in every if halt.step > step]
 
     def _add(self, leg: Leg) -> None:
         if leg.steps:

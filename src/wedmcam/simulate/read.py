@@ -88,6 +88,9 @@ _OF_KIND = {
     Trouble.SHORT: {"length", "power_after", "operator"},
     Trouble.BREAK: {"block", "power_after"},
     Trouble.POWER: {"pulses"},
+    Trouble.STOP: set(),
+    Trouble.LIMIT: {"operator"},
+    Trouble.TAPE: set(),
 }
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from wedmcam.diag import Diagnostic
 from wedmcam.simulate.axis import AxisState
+from wedmcam.simulate.controller import Controller
 from wedmcam.simulate.motion import Motion, Setup, batches, commanded_at
 from wedmcam.simulate.process import Leg, Mode, Way
 from wedmcam.simulate.route import Route
@@ -40,7 +41,7 @@ class Event:
 
 
 def table_of(axes: tuple[AxisState, AxisState], setup: Setup) -> tuple[int, int]:
-    """Return where the table stands, um from the start of the program.
+    """Return where the table stands, steps from the start of the program.
 
     It is at 0 there, whichever end of the play it came from.
     """
@@ -49,6 +50,11 @@ def table_of(axes: tuple[AxisState, AxisState], setup: Setup) -> tuple[int, int]
         for axis, true, play in zip(axes, setup.true_approach, setup.play, strict=True)
     )
     return x, y
+
+
+def in_um(route: Route, steps: tuple[int, int]) -> tuple[int, int]:
+    """Return steps of both axes as um."""
+    return steps[0] * route.step_um, steps[1] * route.step_um
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +75,7 @@ class Record:
     """A run from its start to its end.
 
     Attributes:
-        controller: which.
+        controller: of the machine.
         route: of the program.
         setup: of the machine.
         feeds: from which step on the feed signal had another frequency.
@@ -83,7 +89,7 @@ class Record:
         findings: what to say of it.
     """
 
-    controller: str
+    controller: Controller
     route: Route
     setup: Setup
     feeds: tuple[tuple[int, float], ...]
@@ -109,20 +115,29 @@ class Record:
         # A take-up that the power cut into goes with the step before which it is made.
         forward = self.state.time_s - began - back - seconds[Way.MOVE]
         first = "cutting" if self.setup.dry_ms is None else "drawing"
-        return {first: max(forward, 0.0), "moving": seconds[Way.MOVE], "back": back}
+        again = seconds[Way.SERVO_FEED]
+        return {
+            first: max(forward - again, 0.0),
+            "moving": seconds[Way.MOVE],
+            "back": back,
+            **({"servo-feed": again} if again else {}),
+        }
 
     @property
     def final_um(self) -> tuple[int, int]:
         """Where the table stands at the end, from the start of the program."""
-        return table_of(self.state.axes, self.setup)
+        return in_um(self.route, table_of(self.state.axes, self.setup))
 
     @property
     def commanded_um(self) -> tuple[int, int]:
         """Where the controller has the machine at the end, from the start of the program."""
-        return commanded_at(self.route, self.state.stand)
+        return in_um(self.route, commanded_at(self.route, self.state.stand))
 
     def motions(self) -> Iterator[Motion]:
-        """Yield every step of the run, some at a time; times from the start of the program."""
+        """Yield every step of the run, some at a time; times from the start of the program.
+
+        Places are steps.
+        """
         for one in self.sessions:
             yield from self.parts_of(one)
 

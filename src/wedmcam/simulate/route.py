@@ -26,17 +26,22 @@ _ENDS = (Kind.STOP, Kind.END)
 
 
 class Halt(NamedTuple):
-    """A control block on the path: the machine stops there.
+    """A place on the path at which the machine stops.
 
     Attributes:
         step: number of the place.
         block: 1-based.
-        thread: whether it is a thread point, else a pause.
+        kind: pause, thread-point; no-tape: no more of the program is read.
     """
 
     step: int
     block: int
-    thread: bool
+    kind: str
+
+    @property
+    def thread(self) -> bool:
+        """Whether a wire is threaded there."""
+        return self.kind == "thread-point"
 
 
 class Reading(NamedTuple):
@@ -44,7 +49,7 @@ class Reading(NamedTuple):
 
     Attributes:
         block: 1-based, of the last step; of the first block that steps at the start.
-        x, y: um, from the start of a line, from the centre of an arc.
+        x, y: steps, from the start of a line, from the centre of an arc.
         f: the deviation F.
         j: the count that is left.
     """
@@ -62,11 +67,14 @@ class Route:
 
     Attributes:
         program: up to its end: blocks behind a stop are never run.
-        place: of the steps 0 to n, shape (n + 1, 2), um from the start of the program.
+        place: of the steps 0 to n, shape (n + 1, 2), steps from the start of the program.
         first: of each block, the number of the place at which it begins.
         axis: of the steps 1 to n, `Axis`; entry k - 1 is step k.
         sign: likewise, +1 or -1.
         halts: pauses and thread points, in their order.
+        records: of each block, which record of the program it was made of, ascending.
+        by_steps: J counts the steps that are left of a block, whatever its count says.
+        seconds: of the steps 1 to n, how long each takes where the program says so, s.
     """
 
     program: Program
@@ -75,6 +83,14 @@ class Route:
     axis: NDArray[np.uint8]
     sign: NDArray[np.int8]
     halts: tuple[Halt, ...]
+    records: Ints
+    by_steps: bool = False
+    seconds: NDArray[np.float64] | None = None
+
+    @property
+    def step_um(self) -> int:
+        """How far a step goes, um."""
+        return int(self.program.step_um)
 
     @property
     def steps(self) -> int:
@@ -149,25 +165,45 @@ class Route:
         along, up = abs(blocks["x"]), abs(blocks["y"])
         of_line = np.where((along > 0) & (up > 0), along * abs(y) - up * abs(x), 0)
         of_arc = x * x + y * y - blocks["x"] ** 2 - blocks["y"] ** 2
-        j = blocks["count"] - (self.counted[steps] - self.counted[self.first[rows]])
+        if self.by_steps:
+            j = self.lengths[rows] - (steps - self.first[rows])
+        else:
+            j = blocks["count"] - (self.counted[steps] - self.counted[self.first[rows]])
         return rows + 1, x, y, np.where(arc, of_arc, of_line), j
 
     def reading(self, step: int) -> Reading:
         """Return what the controller holds at one place."""
         return Reading(*(int(column[0]) for column in self.readings(np.array([step]))))
 
+    def unread(self, step: int, ahead: int) -> Halt | None:
+        """Return where the machine stops if from a place on no more of the program is read.
+
+        Args:
+            step: number of the place.
+            ahead: how many records are read ahead of the one that is run.
+
+        Returns:
+            None where the rest was read already.
+        """
+        row = int(self.rows(np.array([min(step + 1, self.steps)]))[0])
+        first = int(np.searchsorted(self.records, self.records[row] + ahead, side="right"))
+        if first == len(self.records):
+            return None
+        return Halt(int(self.first[first]), first + 1, "no-tape")
+
     def start_of(self, block: int) -> int:
         """Return the number of the place at which a block, 1-based, begins."""
         return int(self.first[block - 1])
 
 
-def lay(program: Program, stepping: Stepping) -> Route:
+def lay(program: Program, stepping: Stepping, records: Ints | None = None) -> Route:
     """Return the route of a program: all its steps up to its end.
 
     Args:
         program: in the frame of the controller. A pause behind a move is a thread point, as the
             readers of the compact format say.
-        stepping: of the controller, which steps lines by the table MIRROR.
+        stepping: of the controller.
+        records: of each block, which record it was made of; None for each of its own.
     """
     kinds = program.blocks["kind"]
     ends = np.flatnonzero(np.isin(kinds, _ENDS))
@@ -179,6 +215,15 @@ def lay(program: Program, stepping: Stepping) -> Route:
     behind_move = np.concatenate([[False], kinds[:-1] == Kind.MOVE])
     thread = (kinds == Kind.THREAD) | ((kinds == Kind.PAUSE) & behind_move)
     rows = np.flatnonzero(thread | (kinds == Kind.PAUSE))
-    halts = tuple(Halt(int(first[i]), i + 1, bool(thread[i])) for i in rows.tolist())
-    whole = Program(blocks.copy(), program.origin, program.sources, program.spans[: len(blocks)])
-    return Route(whole, place, first, axis, step.sum(axis=1).astype(np.int8), halts)
+    kinds_of = {True: "thread-point", False: "pause"}
+    halts = tuple(Halt(int(first[i]), i + 1, kinds_of[bool(thread[i])]) for i in rows.tolist())
+    records = np.arange(len(blocks)) if records is None else records[: len(blocks)]
+    whole = Program(
+        blocks.copy(),
+        program.origin,
+        program.sources,
+        program.spans[: len(blocks)],
+        step_um=program.step_um,
+    )
+    sign = step.sum(axis=1).astype(np.int8)
+    return Route(whole, place, first, axis, sign, halts, records)

@@ -7,7 +7,7 @@ a seed. A fault that cannot happen is an error with its place, never left out.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -18,10 +18,13 @@ from wedmcam.simulate.route import Route
 
 #: What a fault may be, as it is written on the command line.
 FAULT = re.compile(
-    r"(?P<kind>short|break|power)@(?P<step>[0-9]{1,9})"
+    r"(?P<kind>[a-z]+)@(?P<step>[0-9]{1,9})"
     r"(?:(?P<sign>[:+])(?P<value>[0-9]{1,9}|thread))?"
 )
-HOW = "write short@STEP:LENGTH_UM, break@STEP, break@STEP:BLOCK, power@STEP or power@STEP+PULSES"
+HOW = (
+    "write short@STEP:LENGTH_UM, break@STEP, break@STEP:BLOCK, power@STEP, power@STEP+PULSES, "
+    "stop@STEP, limit@STEP or tape@STEP"
+)
 #: The longest short circuit that a seed draws, um.
 RANDOM_LENGTH = 100
 
@@ -32,6 +35,9 @@ class Trouble(StrEnum):
     SHORT = "short"
     BREAK = "break"
     POWER = "power"
+    STOP = "stop"  # an emergency stop; the operator starts the machine again
+    LIMIT = "limit"  # a limit switch opens: an alarm
+    TAPE = "tape"  # no more of the tape is read: it is torn, or at its end
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +52,7 @@ class Fault:
             for the thread point.
         pulses: of a power cut: how many steps of the take-up before the next step are made.
         cut_after: steps of the way back after which the power fails too; None where it does not.
-        goes_on: after the alarm of a short circuit the operator clears the fault and cuts on.
+        goes_on: after an alarm the operator clears the fault and cuts on.
         span: where it was stated.
     """
 
@@ -79,6 +85,8 @@ def fault_of(text: str) -> Fault | None:
     match = FAULT.fullmatch(text.strip())
     if match is None:
         return None
+    if match["kind"] not in set(Trouble):
+        return None
     trouble, step = Trouble(match["kind"]), int(match["step"])
     sign, value = match["sign"], match["value"]
     if trouble is Trouble.SHORT:
@@ -89,7 +97,7 @@ def fault_of(text: str) -> Fault | None:
             return None
         block = None if value in (None, "thread") else int(value)
         return Fault(trouble, step, block=block)
-    if sign == ":" or value == "thread":
+    if sign == ":" or value == "thread" or (sign and trouble is not Trouble.POWER):
         return None
     return Fault(trouble, step, pulses=int(value or 0))
 
@@ -116,24 +124,30 @@ def scenario_of(faults: Iterable[Fault], feeds: Iterable[tuple[int, float]] = ()
     )
 
 
-def drawn(seed: int, count: int, route: Route) -> tuple[Fault, ...]:
-    """Return random faults: short circuits that clear, wire breaks and power cuts.
+def drawn(
+    seed: int,
+    count: int,
+    route: Route,
+    troubles: Collection[Trouble] = (Trouble.SHORT, Trouble.BREAK, Trouble.POWER),
+) -> tuple[Fault, ...]:
+    """Return random faults; short circuits are free within the way back.
 
-    The same seed, count and program give the same faults. Shorts and breaks fall on steps that are
-    cut, where the wire can go back as far as the short circuit asks for.
+    The same seed, count, program and troubles give the same faults. All fall on steps that are
+    cut, shorts where the wire can go back as far as they ask for; an operator clears alarms.
     """
     rng = np.random.default_rng(seed)
     cut = np.setdiff1d(1 + np.flatnonzero(~route.moves), route.threads)
+    every = [one for one in Trouble if one in troubles]
     out = []
     for _ in range(count if len(cut) else 0):
-        trouble = Trouble(str(rng.choice(list(Trouble))))
+        trouble = Trouble(str(rng.choice(every)))
         step = int(rng.choice(cut))
         length = int(rng.integers(1, RANDOM_LENGTH + 1))
         if trouble is Trouble.SHORT:
             free = step - last_thread(route, step)
             out.append(Fault(trouble, step, length=min(length, free)))
         else:
-            out.append(Fault(trouble, step))
+            out.append(Fault(trouble, step, goes_on=trouble is Trouble.LIMIT))
     return tuple(out)
 
 

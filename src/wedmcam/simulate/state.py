@@ -70,6 +70,7 @@ def state_bytes(state: State) -> bytes:
         "made": state.stand.made,
         "short": state.stand.short,
         "goes_on": state.stand.goes_on,
+        "front": state.stand.front,
         **state.reading._asdict(),
         "direction": [axis.direction for axis in both],
         "left": [axis.left for axis in both],
@@ -113,6 +114,7 @@ _FIELDS: dict[str, Callable[[Any], bool]] = {
     "made": _whole(0),
     "short": lambda v: isinstance(v, bool),
     "goes_on": lambda v: isinstance(v, bool),
+    "front": _whole(0),
     "block": _whole(1),
     "x": _whole(-_MOST),
     "y": _whole(-_MOST),
@@ -157,15 +159,22 @@ def read_state(data: bytes, name: str) -> tuple[State | None, list[Diagnostic]]:
     return (None if findings else _state(fields)), findings
 
 
-def check_state(state: State, route: Route, text: str, name: str) -> list[Diagnostic]:
+def check_state(
+    state: State, controller: str, route: Route, text: str, name: str
+) -> list[Diagnostic]:
     """Return in what a state and the program contradict each other, with the line.
 
     Args:
         state: as it was read.
+        controller: name of the one that is to go on.
         route: of the program with which it is to go on.
         text: of its file.
         name: of its file.
     """
+    if state.controller != controller:
+        mine = "the state is one of the controller {held}, not of {controller}"
+        span = _span(text, "controller", name)
+        return [error("bad-state", mine, span, held=state.controller, controller=controller)]
     if state.program != route.digest:
         span = _span(text, "program", name)
         return [error("other-program", "the state belongs to another program", span)]
@@ -176,6 +185,12 @@ def check_state(state: State, route: Route, text: str, name: str) -> list[Diagno
         return [error("bad-state", long, span, steps=route.steps, step=stand.step)]
     back = stand.mode not in (Mode.FORWARD, Mode.ALARM)
     target = stand.target if back else 0
+    if not stand.step <= stand.front <= route.steps:
+        front = "front is {front}: from step {step} on, up to the {steps} of the program"
+        span = _span(text, "front", name)
+        return [
+            error("bad-state", front, span, front=stand.front, step=stand.step, steps=route.steps)
+        ]
     if target > stand.step or (back and stand.made > steps_back(route, stand)):
         far = "no way back from step {step} ends at {target}"
         span = _span(text, "target", name)
@@ -241,7 +256,7 @@ def _state(fields: dict[str, Any]) -> State:
         AxisState(*(fields[name][k] for name in ("direction", "left", "motor", "slack")))
         for k in range(2)
     )
-    names = ("step", "target", "made", "short", "goes_on")
+    names = ("step", "target", "made", "short", "goes_on", "front")
     return State(
         controller=fields["controller"],
         program=fields["program"],

@@ -68,11 +68,15 @@ _DELAY = click.IntRange(1, 9999)
 @click.argument("program")
 @click.option(
     "--controller",
-    type=click.Choice(["zd065"]),
+    type=click.Choice(["zd065", "nby15", "eindhoven", "dem15"]),
     default="zd065",
     show_default=True,
-    help="Which machine.",
+    help="Which machine; eindhoven is the microcomputer of a DEM-15.",
 )
+@click.option(
+    "--profile", metavar="NAME", help="A built-in one, where the format has several: dem15-steps."
+)
+@ask.switch_options
 @click.option(
     "--backlash", type=Um(), metavar="X,Y", help="As entered, um. Without it nothing is cut."
 )
@@ -84,7 +88,8 @@ _DELAY = click.IntRange(1, 9999)
     "faults",
     multiple=True,
     metavar="FAULT",
-    help="short@STEP:LENGTH_UM, break@STEP[:BLOCK], power@STEP[+PULSES]; repeat.",
+    help="short@STEP:LENGTH_UM, break@STEP[:BLOCK], power@STEP[+PULSES]; of the others stop@STEP, "
+    "limit@STEP, tape@STEP; repeat.",
 )
 @click.option("--scenario", metavar="FILE.toml", help="What happens, as a file.")
 @click.option(
@@ -126,10 +131,11 @@ _DELAY = click.IntRange(1, 9999)
 def simulate_command(**params: Any) -> int:
     """A program on a simulated controller, with play, short circuits, wire breaks, power cuts.
 
-    PROGRAM is in the cutting format (.zd). STEP counts the steps of its path. A power cut ends the
-    run where there is --state, which --resume goes on from; else the state is saved, and cutting
-    goes on from it. The feed signal is that of --feed, 2.4 mm a minute if none is given.
-    docs/zd065.md has examples.
+    PROGRAM is one that the controller runs (.zd, .n15, .d15). STEP counts the steps of its path.
+    A power cut ends the run where there is --state, which --resume goes on from; else the state is
+    saved, and cutting goes on from it. The feed signal is that of --feed, 2.4 mm a minute if none
+    is given.
+    docs/zd065.md, nby15.md and dem15.md have examples.
     """
     from wedmcam.cli.run.simulate import run_simulate
 

@@ -11,11 +11,13 @@ import click
 from wedmcam import api
 from wedmcam.cli import simulated
 from wedmcam.cli.files import read_input, read_program, shown_name, write_outputs
+from wedmcam.cli.options import switches_in
 from wedmcam.cli.outputs import check_names, check_picture, picture_bytes
 from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import typed
 from wedmcam.cli.terminal import print_findings, print_json, print_text
 from wedmcam.operations.simulate import Simulation, stated_in
+from wedmcam.targets import Entries
 
 
 def run_simulate(
@@ -38,12 +40,15 @@ def run_simulate(
     check_picture(plot)
     if params["json_"] and "-" in outputs:
         raise click.UsageError("--json takes standard output: give --pulses and --plot a file")
+    switches, run_off = switches_in(params)
     data = read_program(program)
     texts = {name: read_input(name) for name in inputs[1:]}
     with waiting(f"simulating {shown_name(program)}"):
         simulation = api.simulate_program(
             data,
             controller=controller,
+            profile=params["profile"],
+            entries=Entries(switches=switches, run_off=run_off),
             scenario=None if scenario is None else (scenario, texts[scenario]),
             resume=None if resume is None else (resume, texts[resume]),
             faults=params["faults"],
@@ -116,9 +121,7 @@ def _write(
             files.append((pulses, (piece.encode("ascii") for piece in lines)))
         if plot is not None:
             of = simulation.record, Path(program).name
-            image = picture_bytes(
-                plot, lambda: api.plot_run(*of), lambda: api.plot_run_html(*of)
-            )
+            image = picture_bytes(plot, lambda: api.plot_run(*of), lambda: api.plot_run_html(*of))
             files.append((plot, image))
     write_outputs(files)
     for name in (pulses, plot):

@@ -20,6 +20,7 @@ from wedmcam.reports.picture.sheet import GREY, INK, nice, number, words
 from wedmcam.simulate.motion import Motion
 from wedmcam.simulate.process import WAYS, Way
 from wedmcam.simulate.record import Event, Record, table_of
+from wedmcam.simulate.route import Route
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,6 +47,7 @@ STYLES = {
     Way.RETREAT: ("#f59e0b", 4.0, "back from a short circuit"),
     Way.RETURN: ("#7b2cbf", 3.0, "back along the path"),
     Way.SHORTEST: ("#0b7a55", 2.0, "the shortest way back"),
+    Way.SERVO_FEED: ("#0891b2", 2.0, "forward with a reference current"),
 }
 #: Events that are marked.
 MARKED = ("short", "alarm", "break", "power-cut")
@@ -56,7 +58,7 @@ NUMBERS = 60
 
 def plot_run(record: Record, title: str = "") -> str:
     """Return a run as SVG."""
-    seen = record.route.place / 1000
+    seen = _mm(record.route, record.route.place)
     frame = _Frame(PATH_FRAME, seen.min(axis=0), seen.max(axis=0), equal=True)
     curves = _Curves(record, APART / float(frame.scale[0]))
     out = [
@@ -85,8 +87,8 @@ def _facts(record: Record) -> str:
     what = "dry run" if setup.dry_ms is not None else "cutting"
     end = "to the end" if record.finished else f"stopped at step {record.state.stand.step}"
     return (
-        f"{record.controller}, {what}, {record.route.steps} steps, {record.walked} made, {end}, "
-        f"{hours(record.state.time_s)}"
+        f"{record.controller.title}, {what}, {record.route.steps} steps, {record.walked} made, "
+        f"{end}, {hours(record.state.time_s)}"
     )
 
 
@@ -141,7 +143,7 @@ class _Curves:
             table = np.concatenate([place, part.table])
             for way, trail in self.table.items():
                 for first, last in stretches(first_time & (part.ways == WAYS.index(way))):
-                    trail.add(table[first : last + 1] / 1000)
+                    trail.add(_mm(route, table[first : last + 1]))
             run = runs + np.cumsum(np.diff(part.ways, prepend=part.ways[:1]) != 0)
             self._count(part, j[part.step], run)
             reached, runs, place = int(highest[-1]), int(run[-1]), part.table[-1:]
@@ -155,6 +157,12 @@ class _Curves:
                         samples[way].add(part.time[rows], j[rows], run[rows])
 
 
+def _mm(route: Route, places: Ints) -> Floats:
+    """Return places, steps from the start, as mm."""
+    out: Floats = places * (route.step_um / 1000)
+    return out
+
+
 def _covered(record: Record, way: Way) -> Trail:
     """Return what the ways back of a kind covered of the path, mm."""
     route = record.route
@@ -166,7 +174,7 @@ def _covered(record: Record, way: Way) -> Trail:
                 edges[leg.last] += 1
                 edges[leg.first] -= 1
     for first, last in stretches(np.cumsum(edges) > 0):
-        trail.add(route.place[first : last + 1] / 1000)
+        trail.add(_mm(route, route.place[first : last + 1]))
     return trail
 
 
@@ -218,13 +226,13 @@ def _straight(record: Record) -> Points:
     legs = [leg for session in record.sessions for leg in session.legs if leg.way is Way.SHORTEST]
     ends = list(dict.fromkeys((leg.first, leg.last) for leg in legs))
     some = np.array(ends[:: -(-len(ends) // STRAIGHT) or 1], dtype=np.int64).reshape(-1)
-    return record.route.place[some] / 1000, np.arange(len(some)) // 2
+    return _mm(record.route, record.route.place[some]), np.arange(len(some)) // 2
 
 
 def _path(record: Record, curves: _Curves, frame: _Frame) -> list[str]:
     """Return the path of the table, threads and faults."""
     route = record.route
-    threads = route.place[route.threads] / 1000
+    threads = _mm(route, route.place[route.threads])
     out = [frame.border()]
     # Ways back lie below the path, so that both are seen.
     for way in (Way.RETREAT, Way.RETURN):
@@ -234,7 +242,7 @@ def _path(record: Record, curves: _Curves, frame: _Frame) -> list[str]:
     thin = width if len(straight[0]) <= 2 * MANY else width / 3
     out.append(_line(frame, straight, colour, thin, DASHES))
     rest = Trail(APART / float(frame.scale[0]))
-    rest.add(route.place / 1000)
+    rest.add(_mm(route, route.place))
     out.append(_line(frame, rest.places(), "#cbd2d9", 1.0))
     for way, trail in curves.table.items():
         more = DASHES if way is Way.MOVE else ""

@@ -1,0 +1,70 @@
+"""What one simulated controller does otherwise than another, as values.
+
+The machinery of a run (`run`, `process`, `motion`) knows no controller by name; `controllers` lists
+them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from wedmcam.controllers import Stepping
+from wedmcam.ir.program import Program
+from wedmcam.simulate.route import Route, lay
+from wedmcam.simulate.scenario import Trouble
+
+#: What goes wrong at every machine.
+EVERYWHERE = frozenset({Trouble.SHORT, Trouble.BREAK, Trouble.POWER})
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """What a controller does about faults.
+
+    Attributes:
+        retreat: so many steps it goes back from a short circuit at most.
+        returns: after a wire break it returns to a thread point or a block; else it stops on the
+            spot, and the operator threads the wire there.
+        shortest: with one thread point it returns to it straight.
+        servo_feed: over the path that is cut already it goes forward with a reference current.
+        troubles: what goes wrong with this machine.
+        ahead: so many records of the program are read ahead of the one that is run; 0 where the
+            whole program is in memory.
+    """
+
+    retreat: int
+    returns: bool = True
+    shortest: bool = False
+    servo_feed: bool = False
+    troubles: frozenset[Trouble] = field(default=EVERYWHERE)
+    ahead: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """A controller that can be simulated.
+
+    Attributes:
+        name: on the command line, in states and in reports.
+        title: as people call it.
+        format: of the programs that it runs.
+        programs: what people call them.
+        suffix: of their files.
+        answers: what it does about faults.
+        takes_up_play: the backlash of both axes is entered, and it takes it up.
+        takes_feed: the feed comes from outside; else the program states its speeds.
+        runs_dry: it has a dry run.
+        lay: how the route of a program is laid.
+    """
+
+    name: str
+    title: str
+    format: str
+    programs: str
+    suffix: str
+    answers: Answers
+    takes_up_play: bool = False
+    takes_feed: bool = True
+    runs_dry: bool = True
+    lay: Callable[[Program, Stepping], Route] = lay

@@ -1,0 +1,44 @@
+"""The microcomputer of Eindhoven at a DEM-15: what it does about faults.
+
+Limit switches, emergency stop and wire break are one interrupt, above those of the timers: the
+outputs go to safe values, positions are kept [S], and the operator has to step in [S]. From a short
+circuit the machine goes back; where that does not free the wire it stops [S: of the DEM-15 as
+Agie built it]. How far is not in the source: the report's controller has no way back yet. Ours
+keeps the last 255 steps, a byte counts them [R].
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from wedmcam.controllers import Stepping
+from wedmcam.controllers.eindhoven.vectors import Vectors
+from wedmcam.ir.program import Program
+from wedmcam.simulate.controller import EVERYWHERE, Answers, Controller
+from wedmcam.simulate.route import Route, lay
+from wedmcam.simulate.scenario import Trouble
+
+
+def lay_vectors(program: Program, stepping: Stepping) -> Route:
+    """Return the route of vectors: each states its speed, and J counts its steps down."""
+    assert isinstance(stepping, Vectors)
+    route = lay(program, stepping)
+    each = stepping.seconds(route.program.blocks) / np.maximum(route.lengths, 1)
+    return replace(route, by_steps=True, seconds=np.repeat(each, route.lengths))
+
+
+EINDHOVEN = Controller(
+    name="eindhoven",
+    title="DEM-15 of Eindhoven",
+    format="dem15",
+    programs="its job records",
+    suffix=".d15",
+    answers=Answers(
+        retreat=255, returns=False, troubles=EVERYWHERE | {Trouble.STOP, Trouble.LIMIT}
+    ),
+    takes_feed=False,
+    runs_dry=False,
+    lay=lay_vectors,
+)

@@ -159,8 +159,7 @@ class _Curves:
 
 def _mm(route: Route, places: Ints) -> Floats:
     """Return places, steps from the start, as mm."""
-    out: Floats = places * (route.step_um / 1000)
-    return out
+    return places.astype(np.float64) * (route.step_um / 1000)
 
 
 def _covered(record: Record, way: Way) -> Trail:

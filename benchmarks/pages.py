@@ -4,7 +4,7 @@
 examples go into the package for ``wedmcam explain``. ``docs/profiles.md``: every key of a profile.
 ``docs/probe.md``: what the readings of `profile probe` mean. ``docs/modules.md``: what each module
 is for, from the first sentence of its docstring. ``docs/zd065.md`` and its pictures: what
-``step_tables`` and ``step_figures`` make of them.
+``step_tables`` and ``step_figures`` make of them. ``docs/machines.md``: ``machine_tables``.
 ``tests/unit/test_pages.py`` demands that they are up to date.
 """
 
@@ -348,13 +348,14 @@ def pages() -> tuple[dict[Path, str], list[str]]:
     shown, wrong = examples()
     text = json.dumps(dict(sorted(shown.items())), indent=1, ensure_ascii=False) + "\n"
     docs = ROOT / "docs"
+    import machine_tables
     import step_figures
 
     from wedmcam.probe.page import page as probe_page
 
     made = {docs / "codes.md": codes_page(shown), docs / "profiles.md": profiles_page()}
     made |= {docs / "probe.md": probe_page(), docs / "modules.md": modules_page()}
-    return {EXAMPLES: text, **made, **step_figures.made()}, wrong
+    return {EXAMPLES: text, **made, **step_figures.made(), **machine_tables.made()}, wrong
 
 
 def main() -> int:

@@ -10,16 +10,17 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
+from made_parts import filled
 from step_tables import (
     ARC,
     BESIDE,
     LINE,
     PAGE,
+    PARTS,
     RETURN,
     Block,
     Place,
     circle_steps,
-    filled,
     opposite,
 )
 
@@ -173,4 +174,4 @@ PICTURES: dict[str, Callable[[], str]] = {
 def made() -> dict[Path, str]:
     """Return path -> text of the page and its pictures."""
     pictures = {FIGURES / name: draw() for name, draw in PICTURES.items()}
-    return {PAGE: filled(PAGE.read_text("utf-8")), **pictures}
+    return {PAGE: filled(PAGE.read_text("utf-8"), PARTS), **pictures}

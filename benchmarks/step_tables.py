@@ -9,8 +9,7 @@ with what is made.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -409,19 +408,3 @@ PARTS: dict[str, Callable[[], str]] = {
     "keys": key_table,
     "errors": error_table,
 }
-
-_PART = re.compile(r"^<!-- made: ([a-z-]+) -->\n.*?^<!-- end -->$", re.M | re.S)
-
-
-def parts_of(page: str) -> Iterator[str]:
-    """Yield the names of the parts of a page that are made here."""
-    for found in _PART.finditer(page):
-        yield found.group(1)
-
-
-def filled(page: str) -> str:
-    """Return a page with its parts written anew."""
-    return _PART.sub(
-        lambda found: f"<!-- made: {found.group(1)} -->\n{PARTS[found.group(1)]()}\n<!-- end -->",
-        page,
-    )

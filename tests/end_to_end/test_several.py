@@ -21,7 +21,7 @@ from wedmcam.options import Options
 ROOT = Path(__file__).parents[2]
 SAMPLES = sorted((ROOT / "samples").glob("*.dxf"))
 #: Formats that hold the path itself, in um. The others make it of a figure, or have larger steps.
-FORMATS = [f for f in DECODERS if f not in ("rotation", "compensation", "4b", "dem15")]
+FORMATS = [f for f in DECODERS if f not in ("rotation", "compensation", "4b", "nby15", "dem15")]
 
 
 @pytest.mark.parametrize("sample", SAMPLES, ids=lambda p: p.stem)
@@ -42,6 +42,19 @@ def test_every_format_of_a_sample_is_the_same_path(sample):
         assert difference(one.program, again.program_out, *tables).equal
     cuts = {int((m.program.blocks["kind"] == Kind.MOVE).sum()) for m in made.compilations}
     assert len(cuts) == 1
+
+
+@pytest.mark.parametrize("formats", ["3b,nby15", "3b,dem15", "nby15,dem15"])
+def test_a_coarse_path_lies_beside_the_others_within_both_deviations(formats):
+    """Each is proven against the plan: two paths are apart by what both are off at most."""
+    from wedmcam.api import options_in_mm
+
+    machines = [default(f) for f in formats.split(",")]
+    sample = ROOT / "samples" / "key-punch.dxf"
+    made = compile_several(sample, machines, options=options_in_mm(offset=0.1))
+    assert made.ok, made.findings
+    most = sum(one.verdict.max_deviation_um for one in made.compilations)
+    assert 0.5 < max(made.apart_um) <= most
 
 
 def test_files_and_their_certificates(tmp_path):

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from wedmcam.controllers.nby15.data import Switches
 from wedmcam.diag import Diagnostic, FileSpan, TextSpan, error, has_errors, note
 from wedmcam.diag.run import Refused, Run, WrongUse
 from wedmcam.files import Source, bytes_of
@@ -101,8 +102,6 @@ def simulate_program(
     source: Source,
     *,
     controller: str = "zd065",
-    profile: str | None = None,
-    entries: Entries | None = None,
     scenario: Source | Named | None = None,
     resume: Source | Named | None = None,
     faults: Sequence[str | Fault] = (),
@@ -117,8 +116,6 @@ def simulate_program(
         source: a program that the controller reads: for the ZD-065 its cutting format, a tape of
             the NBY-15, job records of the DEM-15.
         controller: "zd065", "nby15", or "eindhoven" (or "dem15").
-        profile: a built-in one of its format; None for the usual one.
-        entries: the switches of an NBY-15.
         scenario: a TOML file, its bytes, or its name and bytes: what happens.
         resume: a state, likewise: go on from there.
         faults: more faults, ``short@STEP:LENGTH_UM``, ``break@STEP[:BLOCK]``,
@@ -131,8 +128,8 @@ def simulate_program(
         **stated: other fields of `Conditions`: ``backlash=(12, 15)`` (um; without it the machine
             refuses to cut), ``play``, ``approach``, ``true_approach``, ``feed`` (steps a second),
             ``return_ms``, ``dry_ms``, ``random=(count, seed)``, ``servo=("patent", seed)`` (or
-            "eindhoven", "feed": it feeds the wire; its alarm ends the run). They win over the
-            scenario.
+            "eindhoven", "feed": it feeds the wire; its alarm ends the run), ``profile`` (a built-in
+            one of the format), ``switches`` of an NBY-15. They win over the scenario.
 
     Raises:
         WrongUse: an unknown controller, a text that is no fault, or other figures than those of the
@@ -154,7 +151,7 @@ def simulate_program(
     run = Run(strict)
     record: Record | None = None
     try:
-        route = run("read", _read_route(data, name, machine, profile, entries or Entries()))
+        route = run("read", _read_route(data, name, machine, conditions))
         if scenario is not None:
             stated_there = run("scenario", stated_in(*_named(scenario, "scenario")))
             conditions = conditions.over(stated_there)
@@ -195,15 +192,16 @@ def _fault(text: str | Fault) -> Fault:
 
 
 def _read_route(
-    data: bytes, name: str, controller: Controller, profile: str | None, entries: Entries
+    data: bytes, name: str, controller: Controller, c: Conditions
 ) -> tuple[Route | None, list[Diagnostic]]:
     """Return the route of a program as the controller reads it: of another format only why not.
 
     Raises:
         WrongUse: a profile that is not built in, or of another format; entries of another machine.
     """
+    entries = Entries(switches=c.switches or Switches())
     entries.check(controller.format, controller.format)
-    machine = reader_machine(data, name, None, profile)
+    machine = reader_machine(data, name, None, c.profile)
     if not machine.is_of(controller.format):
         return None, [_other_format(machine, controller, name)]
     # Built-in profiles: the frame of the controller, whose axes nothing exchanges.

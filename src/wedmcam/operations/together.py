@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wedmcam.diag import Diagnostic, Place, error
 from wedmcam.diag.run import Run, WrongUse
@@ -107,11 +107,15 @@ def compile_several(
 
 
 def shared(machines: Sequence[Machine]) -> list[Machine]:
-    """Return the machines with the smallest of their limits on a block."""
-    least = {
-        k: min(getattr(m.limits, k) for m in machines) for k in ("count_um", "line_um", "arc_um")
-    }
-    return [replace(m, limits=replace(m.limits, **least)) for m in machines]
+    """Return the machines with the smallest of their limits on a block; those count steps."""
+    names = ("count_um", "line_um", "arc_um")
+    least = {k: min(getattr(m.limits, k) * m.axes.step_um for m in machines) for k in names}
+
+    def limited(machine: Machine) -> Machine:
+        steps: dict[str, Any] = {k: int(um / machine.axes.step_um) for k, um in least.items()}
+        return replace(machine, limits=replace(machine.limits, **steps))
+
+    return list(map(limited, machines))
 
 
 def _compared(compilations: list[Compilation]) -> Several:
@@ -145,14 +149,16 @@ def _compared(compilations: list[Compilation]) -> Several:
 def _within(one: Compilation, other: Compilation) -> float:
     """Return how far two programs of one plan may be apart, um.
 
-    Formats that state the path are one to a step. A controller that makes the path itself (G41, 4B)
-    is held to the plan: two such paths are apart by what each was found to be off at most.
+    Formats that state the path are one to a step. A controller that makes the path itself (G41,
+    4B), or whose path is coarse, is held to the plan: two such paths are apart by what each was
+    found to be off at most.
     """
     assert one.verdict is not None
     assert other.verdict is not None
     assert one.program is not None
     stated = WITHIN_UM * max(1.0, one.program.step_um)
-    if not any(target_of(c.machine).makes_path for c in (one, other)):
+    targets = (target_of(c.machine) for c in (one, other))
+    if not any(target.makes_path or target.coarse for target in targets):
         return stated
     return max(stated, one.verdict.max_deviation_um + other.verdict.max_deviation_um)
 

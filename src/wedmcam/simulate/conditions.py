@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+from wedmcam.controllers.nby15.data import Switches
 from wedmcam.diag.run import WrongUse
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.scenario import Fault
@@ -41,6 +42,8 @@ class Conditions:
         dry_ms: delay of a step of a dry run.
         random: how many random faults, and the seed.
         servo: which law feeds the wire, and the seed of its gap.
+        profile: a built-in one of the controller's format.
+        switches: as set at an NBY-15.
         faults: what goes wrong.
         feeds: from which step on the feed signal has another frequency.
     """
@@ -54,6 +57,8 @@ class Conditions:
     dry_ms: int | None = None
     random: Pair | None = None
     servo: tuple[str, int] | None = None
+    profile: str | None = None
+    switches: Switches | None = None
     faults: tuple[Fault, ...] = ()
     feeds: tuple[tuple[int, float], ...] = ()
 

@@ -90,7 +90,7 @@ def state_bytes(state: State) -> bytes:
 
 
 def _sum(lines: list[str]) -> str:
-    return f"{zlib.crc32(chr(10).join(lines).encode('ascii')):08x}"
+    return f"{zlib.crc32(chr(10).join(lines).encode('utf-8')):08x}"
 
 
 def _whole(low: int, high: int = _MOST) -> Callable[[Any], bool]:

@@ -39,6 +39,11 @@ class Target(Protocol):
         ...
 
     @property
+    def coarse(self) -> bool:
+        """Its path is its own: polygons of degrees, vectors for a speed, held to the plan alone."""
+        ...
+
+    @property
     def makes_path(self) -> bool:
         """Whether the controller makes the path itself, of an outline that a program states."""
         ...

@@ -31,6 +31,7 @@ class Nby15(Stated):
     """Its target."""
 
     is_text = False
+    coarse: ClassVar[bool] = True
     pairs: ClassVar[bool] = False
 
     @property

@@ -48,6 +48,7 @@ class Stated:
     machine: Machine
 
     is_text: ClassVar[bool] = True
+    coarse: ClassVar[bool] = False
     makes_path: ClassVar[bool] = False
     moves_starts: ClassVar[bool] = False
     takes_gap: ClassVar[bool] = False

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Dem15(Stated):
     """Text of job records."""
 
     pairs = False
+    coarse: ClassVar[bool] = True
 
     @property
     def stop_word(self) -> str:

@@ -17,7 +17,6 @@ from wedmcam.cli.progress import waiting
 from wedmcam.cli.settings import typed
 from wedmcam.cli.terminal import print_findings, print_json, print_text
 from wedmcam.operations.simulate import Simulation, stated_in
-from wedmcam.targets import Entries
 
 
 def run_simulate(
@@ -40,15 +39,12 @@ def run_simulate(
     check_picture(plot)
     if params["json_"] and "-" in outputs:
         raise click.UsageError("--json takes standard output: give --pulses and --plot a file")
-    switches, run_off = switches_in(params)
     data = read_program(program)
     texts = {name: read_input(name) for name in inputs[1:]}
     with waiting(f"simulating {shown_name(program)}"):
         simulation = api.simulate_program(
             data,
             controller=controller,
-            profile=params["profile"],
-            entries=Entries(switches=switches, run_off=run_off),
             scenario=None if scenario is None else (scenario, texts[scenario]),
             resume=None if resume is None else (resume, texts[resume]),
             faults=params["faults"],
@@ -91,6 +87,8 @@ def _stated(params: dict[str, Any], scenario: bytes | None) -> dict[str, Any]:
     }
     return {
         **stated,
+        "profile": params["profile"],
+        "switches": switches_in(params)[0],
         # A step is 1 um.
         "feed": None if (feed := _feed(params["feed_um"], scenario)) is None else feed / 60,
         "random": None if count is None else (count, seed or 0),

@@ -344,6 +344,13 @@ def _on_top(s: Segments, i: Ints, j: Ints) -> tuple[Bools, Floats, Floats, Float
     """Return which pairs run on top of each other, the middle of that stretch, and its length."""
     x, y, along = np.zeros(len(i)), np.zeros(len(i)), np.zeros(len(i))
     over = np.zeros(len(i), np.bool_)
+    # Which of two the place is measured along does not depend on their order.
+    rows = np.unique(np.concatenate([i, j]))
+    t = s.take(rows)
+    keys = (t.length, t.radius, np.minimum(t.x0, t.x1), t.x0 + t.x1, t.y0 + t.y1)
+    rank = np.zeros(len(s), np.int64)
+    rank[rows[np.lexsort([steady(key) for key in keys])]] = np.arange(len(rows))
+    i, j = np.where(rank[i] > rank[j], (j, i), (i, j))
     k = np.flatnonzero((s.turn[i] == 0) & (s.turn[j] == 0))
     if len(k):
         a, b = s.take(i[k]), s.take(j[k])

@@ -97,6 +97,12 @@ def test_corrections_enter_the_corrected_line():
     assert there.machine.records == ["0 0 400 0 100 200 64"]
 
 
+def test_a_terminator_within_what_is_typed_ends_a_line():
+    there = terminal(records="")
+    assert len(said(there, "0 0 400 0 100 200 64\r400 0 0 0 0 5\b0 127\nE")) == 4
+    assert there.saved()[0] == b"UM\n0 0 400 0 100 200 64\n400 0 0 0 0 0 127\nE\n"
+
+
 #: Line -> where the mark stands, how long it is, and what is said; typed behind RECORDS up to P.
 REFUSED = {
     "400 300 65536 300 0 0 127": (8, 5, "new x has more than 16 bits"),

@@ -190,25 +190,33 @@ class Terminal:
 
     def type(self, codes: bytes) -> list[Shown]:
         """Type characters, and end the line."""
-        line, echo = self._line, b""
-        for code in codes:
-            line, sent = line_of.take(line, code)
-            echo += sent
-        line, _ = line_of.take(line, line_of.RETURN)
-        self._line = line.next()
-        seen = line_of.screen(echo)
-        shown = [] if echo == codes else [Shown("", text) for text in seen]
+        shown: list[Shown] = []
+        echo, begin = b"", 0
+        for n, code in enumerate(codes + bytes((line_of.RETURN,))):
+            self._line, sent = line_of.take(self._line, code)
+            if self._line.closed:
+                line, self._line = self._line, self._line.next()
+                if echo != codes[begin:n]:
+                    shown += _say(*line_of.screen(echo))
+                shown += self._read(line)
+                echo, begin = b"", n + 1
+            else:
+                echo += sent
+        return shown
+
+    def _read(self, line: Line) -> list[Shown]:
+        """Do what a line says that was ended, or let it wait."""
         if line.lost is not Lost.NONE:
             again = "control R brings the line back, to be corrected"
             lost = Refused(_LOST[line.lost], line.lost_at, hint=again)
-            return [*shown, *_refusal(line.data, lost)]
+            return _refusal(line.data, lost)
         if self.mode is Mode.RUNNING and line.data:
             if self._waiting is not None:
                 why = "a line waits for the end of the vector already"
-                return [*shown, *_refusal(line.data, Refused(why, 0))]
+                return _refusal(line.data, Refused(why, 0))
             self._waiting = line.data
-            return shown
-        return [*shown, *self._main(line.data)]
+            return []
+        return self._main(line.data)
 
     def _main(self, data: bytes) -> list[Shown]:
         """Do what a line says (MAIN)."""

@@ -73,7 +73,7 @@ def take(line: Line, code: int) -> tuple[Line, bytes]:
     them; RETYPE (12H, control R) shows the line again, and brings the line before back where
     nothing is typed yet. CR (0DH) and LF (0AH) end the line. A correction at the beginning of the
     line, the 65th character, and every other control character or byte above 7EH only ring the
-    bell; of the latter two the line remembers that they are missing, until it is corrected [R].
+    bell; of the latter two the line remembers that they are missing, until a correction [R].
 
     >>> line = Line()
     >>> for code in b"G1\b 2\r":

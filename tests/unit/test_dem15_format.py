@@ -117,6 +117,30 @@ def test_what_the_controller_could_not_run_is_refused_with_its_line(text):
         )
 
 
+#: Record behind "0 0 4 0 100 200 64" -> the column of what is wrong in it, and its length.
+PLACES = {
+    "4 0 65536 0 100 200 64": (5, 5),
+    "4 0 8 0 100 200 128": (17, 3),
+    "4 0 8 0 100 118 64": (13, 3),
+    "4 0 8 0 179 119 64": (9, 3),
+    "4 0 8 0 0 200 64": (9, 1),
+    "4 0 8 5 100 200 64": (7, 1),
+    "4 1 8 0 100 200 64": (3, 1),
+    "4 0 4 0 100 200 64": (5, 1),
+    "4 2 8 2 100 200 64": (3, 1),
+    "6 0 8 0 100 200 64": (1, 1),
+    "4 0 8 0 100 200": (1, 15),
+}
+
+
+@pytest.mark.parametrize("record", PLACES)
+def test_a_finding_points_to_the_number_that_is_wrong(record):
+    found = read(f"UM\n0 0 4 0 100 200 64\n  {record}\nE\n")[1]
+    column, length = PLACES[record]
+    assert (found[0].span.line, found[0].span.column) == (3, column + 2)
+    assert found[0].span.length == length
+
+
 def test_control_words_at_their_limits_are_taken():
     for t_i, t_p in ((1, 119), (178, 119), (255, 170), (255, 255), (0, 0)):
         assert not codes(f"UM\n0 0 4 0 {t_i} {t_p} 64\nE\n")

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from wedmcam.diag import Diagnostic
 from wedmcam.panel.keys import DIGITS, KEYS
-from wedmcam.panel.script import lines_of, play, play_script
+from wedmcam.panel.script import lines_of, play_script
 from wedmcam.panel.zd065 import FUNCTIONS, Mode, Panel, unlocked
 
 PANEL = Path(__file__).parents[1] / "golden" / "panel"
@@ -28,6 +28,10 @@ WAYS = {
     Mode.OFF: [BEGUN, "run 500", "power off"],
     Mode.SAVED: [BEGUN, "run 500", "power off", "power on"],
 }
+
+
+def play(panel, text):
+    return panel.play(text)
 
 
 def panel_in(mode):

@@ -34,7 +34,7 @@ COMMANDS = {
     "explain": ("explain:explain_command", "What a diagnostic or a block means."),
     "identify": ("identify:identify_command", "Which format a file is in."),
     "inspect": ("inspect:inspect_command", "What is in a drawing."),
-    "panel": ("panel:panel_command", "The front panel of a simulated controller, as text."),
+    "panel": ("panel:panel_command", "The panel of a simulated controller, as text."),
     "plot": ("plot:plot_command", "A picture of a drawing or a program."),
     "profile": ("profile:profile_group", "Controllers and dialects."),
     "simulate": ("simulate:simulate_command", "A program on a simulated controller, with faults."),

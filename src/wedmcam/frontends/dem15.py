@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wedmcam.diag import Diagnostic, FileSpan, Severity, error
+from wedmcam.diag import Diagnostic, FileSpan, Severity, Span, error
 from wedmcam.formats import dem15
 from wedmcam.formats.listing import listed
 from wedmcam.frontends.text import TextSpans, plain
@@ -73,21 +74,37 @@ class _Lines:
         mask: Bools,
         template: str,
         hint: str | None = None,
+        field: int | Ints | None = None,
         **columns: NDArray[np.generic],
     ) -> None:
-        """Report lines as errors; ``columns`` are values of the template, an entry a line."""
+        """Report lines as errors.
+
+        Args:
+            code, mask, template, hint: of the findings, and in which lines they are.
+            field: which number of a record is wrong, 0 to 6, one for all or an entry a line.
+            **columns: values of the template, an entry a line.
+        """
 
         def values(i: int) -> Mapping[str, object]:
             return {name: column[i].item() for name, column in columns.items()}
 
+        def span(i: int) -> Span:
+            if field is None:
+                return self.spans[i]
+            return self._field(i, field if isinstance(field, int) else int(field[i]))
+
         where = np.flatnonzero(mask)
         self.findings += (
-            d
-            for _, d in listed(
-                Severity.ERROR, code, where, self.spans.__getitem__, template, values, hint
-            )
+            d for _, d in listed(Severity.ERROR, code, where, span, template, values, hint)
         )
         self.failed |= len(where) > 0
+
+    def _field(self, i: int, k: int) -> Span:
+        """Return where number ``k`` of a record stands."""
+        start = int(self.starts[i])
+        numbers = re.finditer(rb"\d+", self.text.codes[start : start + self._sizes[i]])
+        number = next(islice(numbers, k, None))
+        return self.spans.at(start + number.start(), len(number[0]))
 
     def say(self, d: Diagnostic) -> None:
         """Add an error about the whole file."""
@@ -177,6 +194,7 @@ def _fields(lines: _Lines, record: Bools) -> None:
             "speed is {value}; the controller takes 1 to 127, 15.75 um a minute each"
             if name == "speed"
             else "{name} is {value}; it goes to {most}",
+            field=k,
             name=np.full(len(value), name),
             value=value,
             most=np.full(len(value), most),
@@ -193,6 +211,7 @@ def _generator(lines: _Lines, record: Bools) -> None:
         low,
         "t(p) {t_p} is {volts:.2f} V: below 7 V the pulse generator cuts out",
         "t(p) 119 or more; t(i) and t(p) 0 for a move with the generator off",
+        field=5,
         t_p=t_p,
         volts=t_p * (dem15.VOLTS_T_P / dem15.CONTROL),
     )
@@ -201,12 +220,14 @@ def _generator(lines: _Lines, record: Bools) -> None:
         record & ~off & ~low & (t_i == 0),
         "t(i) is 0: pulses without a duration cut nothing",
         "t(i) and t(p) 0 for a move with the generator off",
+        field=4,
     )
     lines.refuse(
         "generator-words",
         record & ~off & ~low & dem15.too_much(t_i, t_p),
         "t(i) {t_i} with t(p) {t_p} would draw {amperes:.2f} A; the supply gives 2 A",
         "t(i) at most one and a half times t(p)",
+        field=4,
         t_i=t_i,
         t_p=t_p,
         amperes=dem15.current(t_i, t_p),
@@ -216,10 +237,12 @@ def _generator(lines: _Lines, record: Bools) -> None:
 def _places(lines: _Lines, record: Bools, step: int) -> None:
     """Refuse places that no step arrives at, that do not follow, and vectors without length."""
     f = lines.fields
+    odd = f[:, :4] % step != 0
     lines.refuse(
         "place-step",
-        record & (f[:, :4] % step != 0).any(axis=1),
+        record & odd.any(axis=1),
         "a place of ({x}, {y}) to ({new_x}, {new_y}) is odd: steps of 2 um never arrive there",
+        field=odd.argmax(axis=1),
         x=f[:, 0],
         y=f[:, 1],
         new_x=f[:, 2],
@@ -229,17 +252,18 @@ def _places(lines: _Lines, record: Bools, step: int) -> None:
         "zero-count",
         record & (f[:, 0] == f[:, 2]) & (f[:, 1] == f[:, 3]),
         "place and new place are the same: a vector without a step",
+        field=2,
     )
     rows = np.flatnonzero(record)
-    jumps = np.zeros(len(f), bool)
-    before = np.zeros((len(f), 2), np.int64)
+    before = f[:, :2].copy()
     before[rows[1:]] = f[rows[:-1], 2:4]
-    jumps[rows[1:]] = (before[rows[1:]] != f[rows[1:], :2]).any(axis=1)
+    jumps = before != f[:, :2]
     lines.refuse(
         "place-jump",
-        jumps,
+        jumps.any(axis=1),
         "the place is ({x}, {y}), and the record before ends at ({before_x}, {before_y})",
         "a record is missing, or one of the two was changed",
+        field=jumps.argmax(axis=1),
         x=f[:, 0],
         y=f[:, 1],
         before_x=before[:, 0],
@@ -264,6 +288,21 @@ def _end(lines: _Lines) -> None:
     after = np.zeros(len(lines.kinds), bool)
     after[ends[0] + 1 :] = True
     lines.refuse("after-end", after, "this stands behind the end of the program")
+
+
+def records_in(data: bytes, file: str) -> tuple[str | None, list[str]]:
+    r"""Return what positions count in a file, a key of `formats.dem15.UNITS`, and its records.
+
+    As text with one blank between numbers; pauses and ends are records too. Of a file that is no
+    program, the lines as they are.
+
+    >>> records_in(b"um\n0  0 40 0 100 200 64\r\ne\n", "")
+    ('um', ['0 0 40 0 100 200 64', 'E'])
+    """
+    lines = _Lines(data, file)
+    sizes = zip(lines.starts.tolist(), lines._sizes, strict=True)
+    codes = (lines.text.codes[start : start + size] for start, size in sizes)
+    return lines.unit, [" ".join(code.decode("latin-1").split()) for code in codes]
 
 
 def describe_blocks(data: bytes, machine: Machine) -> dict[str, str]:

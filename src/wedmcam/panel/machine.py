@@ -15,6 +15,7 @@ from wedmcam.machines import reading
 from wedmcam.operations import memory
 from wedmcam.operations.convert import convert
 from wedmcam.operations.memory import Image, Recognition
+from wedmcam.panel.script import Shown
 from wedmcam.simulate.conditions import Conditions, setup_of
 from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.process import Mode, steps_back, way_back
@@ -47,14 +48,6 @@ class Denied(Exception):  # noqa: N818 - the machine denies it; it is no error o
     def __init__(self, number: int, why: str = "") -> None:
         super().__init__(why or ERRORS[number])
         self.number = number
-
-
-@dataclass(frozen=True, slots=True)
-class Shown:
-    """What the six digits show, and what it means."""
-
-    digits: str
-    text: str
 
 
 @dataclass(slots=True)

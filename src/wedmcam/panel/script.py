@@ -1,40 +1,30 @@
-"""Lines of keys and of what happens around the machine, and the transcript of a panel.
+"""Scripts and transcripts of a panel, whichever it is.
 
-A line is keys (``U5 0 0012 0015``) or one of these, in virtual time::
-
-    run            until the machine stops         short 60     the wire touches, free 60 um back
-    run 500        so many steps                   break        the wire breaks
-    run to block 7                                 power off    power on
-    wait 5s                                        # a comment
+A line of a script is what somebody presses or types, or what happens around the machine, in virtual
+time (``run 500``, ``break``). What a panel makes of it is its own; here is what all have in common.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 from wedmcam.diag import Diagnostic, TextSpan, error
-from wedmcam.panel.keys import keys_in
-from wedmcam.panel.machine import Denied, Shown
-from wedmcam.panel.zd065 import Panel
 
-HOW = (
-    "keys are 0 to F and U0 to U7; else: run, run N, run to block N, short UM, break, power off, "
-    "power on, wait 5s"
-)
-_NUMBER = r"([0-9]{1,9})"
-#: Pattern of a line -> which method of the panel it is; numbers of the line are its arguments.
-_HAPPENS = (
-    (re.compile(r"run"), "run_on"),
-    (re.compile(rf"run {_NUMBER}"), "run"),
-    (re.compile(rf"run to block {_NUMBER}"), "run_to_block"),
-    (re.compile(rf"short {_NUMBER}"), "short"),
-    (re.compile(r"break"), "break_wire"),
-    (re.compile(r"power off"), "cut_power"),
-    (re.compile(r"power on"), "restore_power"),
-    (re.compile(rf"wait {_NUMBER} ?s"), "wait"),
-)
+#: A number in a line that says what happens.
+NUMBER = r"([0-9]{1,9})"
+#: Patterns of lines, and which deed they are; numbers of the line are its arguments.
+Happenings = Sequence[tuple[re.Pattern[str], str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What a panel shows: digits, and what they mean; at a terminal a line of text alone."""
+
+    digits: str
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +33,11 @@ class Line:
 
     Attributes:
         text: what was keyed in, or happened.
-        shown: what the digits showed, one after the other.
+        shown: what the panel showed, one after the other.
         waits_for: what is keyed in next; empty where nothing was begun.
         mode: of the panel behind it.
         time_s: virtual time.
+        more: what else there is to say of it.
     """
 
     text: str
@@ -54,62 +45,64 @@ class Line:
     waits_for: str
     mode: str
     time_s: float
+    more: Mapping[str, Any] = field(default_factory=dict)
 
 
-def play(panel: Panel, text: str) -> Line | None:
-    """Do what a line says; return what came of it, None where it says nothing that is known.
+class Panel(Protocol):
+    """A panel with the machine behind it.
 
-    Keys behind one that shows an error are not pressed.
+    Attributes:
+        controller: its name, in reports.
+        greeting: how it opens for somebody at a terminal.
+        how: which lines there are.
     """
-    plain = " ".join(text.partition("#")[0].split())
-    shown: list[Shown] = []
-    keys = keys_in(plain)
-    if keys is not None:
-        for key in keys:
-            new = panel.press(key)
-            shown += [one for one in new if one.text]
-            if new and new[-1].digits.startswith("E"):
-                break
-    elif plain:
-        happens = next(
-            ((name, m) for pattern, name in _HAPPENS if (m := pattern.fullmatch(plain.lower()))),
-            None,
-        )
-        if happens is None:
-            return None
-        shown += _happen(panel, happens[0], [int(n) for n in happens[1].groups()])
-    return Line(
-        " ".join(text.split()),
-        tuple(shown),
-        panel.waits_for,
-        str(panel.mode),
-        panel.machine.time_s,
-    )
+
+    controller: str
+    greeting: str
+    how: str
+
+    @property
+    def prompt(self) -> str:
+        """What stands in front of a line that is typed."""
+        ...
+
+    def load(self, data: bytes, name: str) -> list[Diagnostic]:
+        """Put a file into the memory; an error says that it is none."""
+        ...
+
+    def play(self, text: str) -> Line | None:
+        """Do what a line says; None where it says nothing that is known."""
+        ...
+
+    def help_lines(self) -> Iterator[str]:
+        """Yield what can be done now."""
+        ...
+
+    def saved(self) -> tuple[bytes | None, list[Diagnostic]]:
+        """Return the file of the memory; None, and why, where it cannot be one."""
+        ...
 
 
-def _happen(panel: Panel, name: str, numbers: list[int]) -> list[Shown]:
-    try:
-        if name == "run_on":
-            return panel.run(None)
-        deed = getattr(panel, name)
-        shown: list[Shown] = deed(*numbers)
-    except Denied as why:
-        return [Shown(panel.digits, f"nothing happens: {why}")]
-    return shown
+def happening(table: Happenings, text: str) -> tuple[str, list[int]] | None:
+    """Return the deed that a line names, with its numbers; None where it names none."""
+    for pattern, name in table:
+        if match := pattern.fullmatch(" ".join(text.lower().split())):
+            return name, [int(number) for number in match.groups()]
+    return None
 
 
 def play_script(panel: Panel, script: str, name: str) -> Iterator[Line | Diagnostic]:
     """Yield what came of each line of a script; a finding on an unknown line ends it."""
-    for number, text in enumerate(script.splitlines(), 1):
+    for number, text in enumerate(re.split("\r\n|\r|\n", script), 1):
         if not text.strip() or text.lstrip().startswith("#"):
             continue
-        line = play(panel, text)
+        line = panel.play(text)
         if line is None:
             yield error(
                 "bad-script",
                 "{text} names no key, and nothing that happens",
                 TextSpan(name, number, 1),
-                hint=HOW,
+                hint=panel.how,
                 text=text.strip(),
             )
             return
@@ -117,9 +110,10 @@ def play_script(panel: Panel, script: str, name: str) -> Iterator[Line | Diagnos
 
 
 def lines_of(line: Line) -> Iterator[str]:
-    """Yield a line of a transcript as text: what was keyed in, then what the digits showed."""
+    """Yield a line of a transcript as text: what was keyed in, then what the panel showed."""
     yield f"> {line.text}"
     for one in line.shown:
-        yield f"[{one.digits}]  {one.text}".rstrip()
+        digits = f"[{one.digits}]  " if one.digits else ""
+        yield f"{digits}{one.text}".rstrip()
     if line.waits_for:
         yield f"          ({line.waits_for})"

@@ -4,17 +4,28 @@ The paper's software locks the eight keys against each other, so that operations
 order: a key that is out of it shows an error, and does nothing [S]. Which key does what is not in
 the source; the table here is ours [R]. A function key chooses a group, a digit a function of it;
 then its numbers are keyed in, digit by digit. A function key in the middle gives an entry up.
+
+A line is keys (``U5 0 0012 0015``) or one of these, in virtual time::
+
+    run            until the machine stops         short 60     the wire touches, free 60 um back
+    run 500        so many steps                   break        the wire breaks
+    run to block 7                                 power off    power on
+    wait 5s                                        # a comment
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
+from wedmcam.diag import Diagnostic
+from wedmcam.operations import memory
 from wedmcam.panel.entry import Entry, Field
-from wedmcam.panel.keys import DIGITS
-from wedmcam.panel.machine import Denied, Machine, Shown
+from wedmcam.panel.keys import DIGITS, keys_in
+from wedmcam.panel.machine import Denied, Machine
+from wedmcam.panel.script import NUMBER, Line, Shown, happening
 
 Deed = Callable[..., list[Shown]]
 
@@ -41,6 +52,22 @@ WHILE = {
     Mode.OFF: "there is no power",
     Mode.SAVED: "the state is on the tape",
 }
+
+
+HOW = (
+    "keys are 0 to F and U0 to U7; else: run, run N, run to block N, short UM, break, power off, "
+    "power on, wait 5s"
+)
+_HAPPENS = (
+    (re.compile(r"run"), "run_on"),
+    (re.compile(rf"run {NUMBER}"), "run"),
+    (re.compile(rf"run to block {NUMBER}"), "run_to_block"),
+    (re.compile(rf"short {NUMBER}"), "short"),
+    (re.compile(r"break"), "break_wire"),
+    (re.compile(r"power off"), "cut_power"),
+    (re.compile(r"power on"), "restore_power"),
+    (re.compile(rf"wait {NUMBER} ?s"), "wait"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +205,10 @@ class Panel:
         digits: what the six digits show.
     """
 
+    controller = "zd065"
+    greeting = "the panel of a ZD-065; help, quit"
+    how = HOW
+
     def __init__(self, machine: Machine | None = None) -> None:
         self.machine = machine or Machine()
         self.mode = Mode.READY
@@ -188,6 +219,62 @@ class Panel:
         self._entry: Entry | None = None
         self._address: int | None = None
         self._half = ""
+
+    # --- lines ----------------------------------------------------------------------------------
+
+    @property
+    def prompt(self) -> str:
+        """See `script.Panel`."""
+        return f"[{self.digits}] {self.mode}> "
+
+    def load(self, data: bytes, name: str) -> list[Diagnostic]:
+        """See `script.Panel`."""
+        image, findings = memory.read_image(data, name=name)
+        if image is not None:
+            self.machine.image = image
+        return findings
+
+    def play(self, text: str) -> Line | None:
+        """See `script.Panel`; keys behind one that shows an error are not pressed."""
+        plain = " ".join(text.partition("#")[0].split())
+        shown: list[Shown] = []
+        keys = keys_in(plain)
+        if keys is not None:
+            for key in keys:
+                new = self.press(key)
+                shown += [one for one in new if one.text]
+                if new and new[-1].digits.startswith("E"):
+                    break
+        elif plain:
+            happens = happening(_HAPPENS, plain)
+            if happens is None:
+                return None
+            shown += self._happen(*happens)
+        return Line(
+            " ".join(text.split()),
+            tuple(shown),
+            self.waits_for,
+            str(self.mode),
+            self.machine.time_s,
+        )
+
+    def _happen(self, name: str, numbers: list[int]) -> list[Shown]:
+        deed: Deed = getattr(self, name)
+        try:
+            return deed(*numbers)
+        except Denied as why:
+            return [Shown(self.digits, f"nothing happens: {why}")]
+
+    def help_lines(self) -> Iterator[str]:
+        """See `script.Panel`."""
+        yield HOW
+        for name in unlocked(self.mode):
+            key, digit = name.split()
+            yield f"{name}  {FUNCTIONS[key][digit].name}"
+
+    def saved(self) -> tuple[bytes | None, list[Diagnostic]]:
+        """See `script.Panel`."""
+        return self.machine.image.data, []
 
     # --- keys -----------------------------------------------------------------------------------
 
@@ -368,6 +455,10 @@ class Panel:
         return [*shown, self.machine.shown("goes on")]
 
     # --- what happens around the machine --------------------------------------------------------
+
+    def run_on(self) -> list[Shown]:
+        """Let the machine run until it stops."""
+        return self.run(None)
 
     def run(self, steps: int | None) -> list[Shown]:
         """Let the machine run so many steps, or until it stops."""

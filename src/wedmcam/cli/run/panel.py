@@ -1,20 +1,26 @@
-"""``wedmcam panel``: the front panel of a simulated controller as text."""
+"""``wedmcam panel``: the panel of a simulated controller as text."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import click
 
-from wedmcam import api
 from wedmcam.cli.files import check_outputs, read_input, shown_name, write_outputs
 from wedmcam.cli.terminal import print_findings, print_json, print_text
 from wedmcam.diag import Diagnostic, has_errors
-from wedmcam.panel.machine import Machine
-from wedmcam.panel.script import HOW, Line, lines_of, play, play_script
-from wedmcam.panel.zd065 import FUNCTIONS, Panel, unlocked
+from wedmcam.panel import zd065
+from wedmcam.panel.script import Line, Panel, lines_of, play_script
+from wedmcam.panel.terminal import Terminal
+
+#: Name on the command line -> panel.
+PANELS: dict[str, Callable[[], Panel]] = {
+    "zd065": zd065.Panel,
+    "eindhoven": Terminal,
+    "dem15": Terminal,
+}
 
 
 def run_panel(
@@ -23,14 +29,12 @@ def run_panel(
     """Run ``wedmcam panel``; return the exit status."""
     if output is not None:
         check_outputs([name for name in (image, script) if name is not None], [output])
-    machine = Machine()
+    panel = PANELS[controller]()
     if image is not None:
-        held, findings = api.read_memory(read_input(image), name=shown_name(image))
+        findings = panel.load(read_input(image), shown_name(image))
         print_findings(findings, shown_name(image))
-        if held is None:
+        if has_errors(findings):
             return 1
-        machine.image = held
-    panel = Panel(machine)
     typing = script is None and sys.stdin.isatty()
     if typing and json_:
         raise click.UsageError("--json is for a script: give --script FILE")
@@ -49,39 +53,37 @@ def run_panel(
         if not json_:
             shown = list(lines_of(line))
             print_text("\n".join(shown[1:] if typing else shown))
-    if json_:
-        print_json(_data(controller, transcript, status == 0))
+    data = None
     if output is not None and status == 0:
-        write_outputs([(output, panel.machine.image.data)])
+        data, findings = panel.saved()
+        print_findings(findings, output)
+        status = int(data is None)
+    if json_:
+        print_json(_data(panel.controller, transcript, status == 0))
+    if output is not None and data is not None:
+        write_outputs([(output, data)])
     return status
 
 
 def _typed(panel: Panel) -> Iterator[Line | Diagnostic]:
     """Yield what comes of each line that somebody types, up to ``quit``."""
-    print_text("the panel of a ZD-065; help, quit")
+    print_text(panel.greeting)
     while True:
         try:
-            text = input(f"[{panel.digits}] {panel.mode}> ")
+            text = input(panel.prompt)
         except EOFError:
             return
         word = text.strip().lower()
         if word in ("quit", "exit"):
             return
         if word == "help":
-            print_text("\n".join(_help(panel)))
+            print_text("\n".join(panel.help_lines()))
         elif word:
-            line = play(panel, text)
+            line = panel.play(text)
             if line is None:
-                print_text(HOW)
+                print_text(panel.how)
             else:
                 yield line
-
-
-def _help(panel: Panel) -> Iterator[str]:
-    yield HOW
-    for name in unlocked(panel.mode):
-        key, digit = name.split()
-        yield f"{name}  {FUNCTIONS[key][digit].name}"
 
 
 def _data(controller: str, transcript: list[Line], ok: bool) -> dict[str, Any]:
@@ -95,6 +97,7 @@ def _data(controller: str, transcript: list[Line], ok: bool) -> dict[str, Any]:
                 "waits_for": line.waits_for,
                 "mode": line.mode,
                 "time_s": round(line.time_s, 6),
+                **line.more,
             }
             for line in transcript
         ],

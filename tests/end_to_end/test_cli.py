@@ -9,19 +9,9 @@ from pathlib import Path
 import pytest
 
 import parts
+from fork_server import wedmcam
 
 SAMPLES = Path(__file__).parents[2] / "samples"
-
-
-def wedmcam(*arguments, cwd=None, stdin=None, env=None):
-    return subprocess.run(
-        [sys.executable, "-m", "wedmcam", *map(str, arguments)],
-        cwd=cwd,
-        input=stdin,
-        capture_output=True,
-        env={**os.environ, **(env or {})},
-        check=False,
-    )
 
 
 @pytest.fixture

@@ -1,13 +1,12 @@
 """`--dump-after` and the times of `-v`."""
 
-import os
-import subprocess
-import sys
+from fork_server import wedmcam
 
 
 def run(*args):
-    line = [sys.executable, "-m", "wedmcam", *map(str, args)]
-    return subprocess.run(line, capture_output=True, text=True, check=False, env=os.environ)
+    done = wedmcam(*args)
+    done.stdout, done.stderr = done.stdout.decode(), done.stderr.decode()
+    return done
 
 
 def test_stages_come_in_the_order_in_which_they_were_asked_for(tmp_path):

@@ -6,8 +6,6 @@ Distances are measured here with shapely, from the raw numbers of the file times
 import io
 import json
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +15,7 @@ import pytest
 import shapely
 from test_axes import L
 
+import fork_server
 import parts
 import wedmcam
 from drawings import drawing
@@ -60,9 +59,7 @@ def places(made, step_um):
 
 
 def run(*arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "wedmcam", *arguments], capture_output=True, check=False
-    )
+    return fork_server.wedmcam(*arguments)
 
 
 @pytest.mark.parametrize("name", ["b3-compact", "iso-um", "iso-mm", "zd065"])

@@ -2,14 +2,13 @@
 
 import copy
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fork_server import wedmcam
 from wedmcam.diag import Diagnostic
 from wedmcam.panel.keys import DIGITS, KEYS
 from wedmcam.panel.script import lines_of, play_script
@@ -160,11 +159,6 @@ def test_a_run_in_pieces_is_a_run(data):
         if panel.mode is Mode.READY:
             break
     assert last.endswith("table (1.400, 1.100) mm: end of the program")
-
-
-def wedmcam(*arguments, cwd, stdin=None):
-    command = [sys.executable, "-m", "wedmcam", *arguments]
-    return subprocess.run(command, cwd=cwd, input=stdin, capture_output=True, check=False)
 
 
 def test_the_command(tmp_path):

@@ -3,14 +3,13 @@
 import copy
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fork_server import wedmcam
 from wedmcam.diag import Diagnostic
 from wedmcam.operations.simulate import simulate_program
 from wedmcam.panel.script import lines_of, play_script
@@ -335,11 +334,6 @@ def test_any_file_is_loaded_or_refused(data):
 
 
 # --- the command ----------------------------------------------------------------------------------
-
-
-def wedmcam(*arguments, cwd, stdin=None):
-    command = [sys.executable, "-m", "wedmcam", *arguments]
-    return subprocess.run(command, cwd=cwd, input=stdin, capture_output=True, check=False)
 
 
 def test_the_command(tmp_path):

@@ -1,9 +1,6 @@
 """The probe: every kind of controller gives readings of its own, and they lead back to it."""
 
 import itertools
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import fork_server
 from wedmcam import machines, probe
 from wedmcam.controllers.pointwise import LineTable, block_steps
 from wedmcam.diag import Severity
@@ -199,10 +197,7 @@ def test_an_empty_sheet_says_nothing():
 
 
 def run(*arguments, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "wedmcam", "profile", "probe", *arguments],
-        cwd=cwd, capture_output=True, check=False, env=dict(os.environ),
-    )  # fmt: skip
+    return fork_server.wedmcam("profile", "probe", *arguments, cwd=cwd)
 
 
 def test_readings_are_not_written_over(tmp_path):

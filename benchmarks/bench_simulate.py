@@ -64,10 +64,10 @@ PROGRAMS = {
 }
 
 
-def seconds(work):
-    """Return the least processor time of three rounds."""
+def seconds(work, rounds=3):
+    """Return the least processor time of some rounds."""
     times = []
-    for _ in range(3):
+    for _ in range(rounds):
         begin = time.process_time()
         work()
         times.append(time.process_time() - begin)
@@ -93,7 +93,7 @@ def scenarios(controller, route):
     yield "1,000 of every kind", scenario_of(every)
 
 
-def measure(names=tuple(PROGRAMS)):
+def measure(names=tuple(PROGRAMS), rounds=3):
     """Yield controller, what was run, its steps, and seconds."""
     for name in names:
         controller, (program_of_it, stepping) = CONTROLLERS[name], PROGRAMS[name]
@@ -116,13 +116,18 @@ def measure(names=tuple(PROGRAMS)):
                 assert not wrong
                 return record
 
-            yield name, f"run, {what}", work().walked, seconds(work)
+            yield name, f"run, {what}", work().walked, seconds(work, rounds)
+
+
+def line(name, what, steps, time_s):
+    """Return a row as text."""
+    per = 1e9 * time_s / steps
+    return f"{name:9} {what:26} {steps:>10,} steps {time_s:7.3f} s {per:8.1f} ns a step"
 
 
 def main():
-    for name, what, steps, time_s in measure(sys.argv[1:] or tuple(PROGRAMS)):
-        per = 1e9 * time_s / steps
-        print(f"{name:9} {what:26} {steps:>10,} steps {time_s:7.3f} s {per:8.1f} ns a step")
+    for row in measure(sys.argv[1:] or tuple(PROGRAMS)):
+        print(line(*row))
 
 
 if __name__ == "__main__":

@@ -226,7 +226,7 @@ def _wrong_axes(state: State, text: str, name: str) -> list[Diagnostic]:
             ("slack", axis.slack, state.play[k]),
         ):
             if held > most:
-                why = "{field} is {held} um on {axis}; the most is {most} um"
+                why = "{field} is {held} steps on {axis}; the most is {most}"
                 span = _span(text, field, name)
                 return [
                     error("bad-state", why, span, field=field, held=held, axis="xy"[k], most=most)

@@ -1,7 +1,8 @@
 """Three laws of a gap servo side by side, and how many pulses a second are simulated.
 
 Run: python benchmarks/bench_servo.py [PROGRAM.zd] [--steps N] [--seeds N] [--json]. One core,
-processor time. The table is of the gap model, not of a machine.
+processor time. The table is of the gap model, not of a machine. Then pulses a second: of the gap
+alone, and of whole runs, each servo at each controller on the first steps of a sample.
 """
 
 import argparse
@@ -11,12 +12,19 @@ from pathlib import Path
 
 from wedmcam import api
 from wedmcam.operations.servo import compare_servos
+from wedmcam.simulate.controllers import CONTROLLERS
 from wedmcam.simulate.feeding import feeding_of
 from wedmcam.simulate.laws import LAWS
+from wedmcam.simulate.motion import Setup
 from wedmcam.simulate.route import lay
+from wedmcam.simulate.run import run
 from wedmcam.simulate.runs import AtOnce, OneByOne
+from wedmcam.simulate.scenario import Fault, Trouble, scenario_of
 
-CAM = Path(__file__).parents[1] / "tests" / "golden" / "cam.zd"
+GOLDEN = Path(__file__).parents[1] / "tests" / "golden"
+CAM = GOLDEN / "cam.zd"
+#: A sample that all three controllers cut, without its suffix, and so many steps of it.
+SAMPLE, SAMPLE_STEPS = "key-punch", 2000
 
 
 def pulses_a_second(servo, draw, steps):
@@ -25,6 +33,25 @@ def pulses_a_second(servo, draw, steps):
     begin = time.process_time()
     feeding.forward(0, steps, 0, 100)
     return feeding.gap.pulses / (time.process_time() - begin)
+
+
+def runs(steps=SAMPLE_STEPS):
+    """Yield controller, servo, steps cut, pulses, steps back and seconds of whole runs."""
+    for controller in CONTROLLERS.values():
+        program, machine, _ = api.read_program(GOLDEN / f"{SAMPLE}{controller.suffix}")
+        route = controller.lay(program, machine.stepping)
+        play = (12, 15) if controller.takes_up_play else (0, 0)
+        for servo in LAWS:
+            feeding = feeding_of(servo, 1, step_um=route.step_um)
+            stop = scenario_of([Fault(Trouble.POWER, steps)])
+            begin = time.process_time()
+            record, wrong = run(
+                controller, route, stop, Setup(play, play), stop_at_power=True, feeder=feeding
+            )
+            spent = time.process_time() - begin
+            assert not wrong
+            assert record.state.stand.step == steps
+            yield controller.name, servo, steps, feeding.gap.pulses, feeding.tally.back, spent
 
 
 def main():
@@ -51,6 +78,13 @@ def main():
         fast = pulses_a_second(servo, AtOnce(), 5000) / 1e6
         slow = pulses_a_second(servo, OneByOne(), 100) / 1e6
         print(f"{servo:9} {fast:5.1f} million pulses a second at once, {slow:.2f} one by one")
+    print(f"whole runs, {SAMPLE}:")
+    for controller, servo, steps, pulses, back, spent in runs(min(options.steps, SAMPLE_STEPS)):
+        print(
+            f"{controller:9} {servo:9} {steps:,} steps, {back:>5,} back, "
+            f"{pulses / 1e6:6.2f} million pulses in {spent:.2f} s: "
+            f"{pulses / spent / 1e6:5.1f} million a second"
+        )
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ import bench_decimal8
 import bench_forgeries
 import bench_offsets
 import bench_read
+import bench_simulate
 import bench_stages
 import bench_verify
 
@@ -64,7 +65,7 @@ def controller_lines(speed, steps):
         )
 
 
-def summary(speed, steps, stages, long, reading, part, counts, arithmetic, decimals):
+def summary(speed, steps, stages, long, reading, part, counts, arithmetic, decimals, machines):
     """Yield a table of what was to be reached, what was measured, and whether it was reached."""
     rows = []
 
@@ -122,6 +123,10 @@ def summary(speed, steps, stages, long, reading, part, counts, arithmetic, decim
     for name in ("sin", "cos"):
         times = decimals[name]["ns"] / decimals[name]["float64"]
         row(f"decimal8 {name} against float64", "at most 8 x", f"{times:.1f}", times <= 8, " x")
+    for name in bench_simulate.PROGRAMS:
+        slowest = max(s for of, what, _, s in machines if of == name and what.startswith("run"))
+        row(f"{name} simulated, 1,000,000 steps, 1,000 faults", "5 s", f"{slowest:.1f}",
+            slowest < 5, " s")  # fmt: skip
     yield "| demand | to reach | measured | reached |"
     yield "|---|---|---|---|"
     for r in rows:
@@ -139,6 +144,7 @@ def page(quick):
     reading = bench_read.rates(20_000 if quick else 200_000)
     part = bench_read.part_seconds(200 if quick else 2000)
     programs = list(bench_forgeries.forgeries.PROGRAMS)[: 1 if quick else None]
+    machines = list(bench_simulate.measure(rounds=1 if quick else 3))
     counts, missed = bench_forgeries.rates(programs, 20)
     yield "# Benchmarks"
     yield ""
@@ -151,7 +157,9 @@ def page(quick):
     yield ""
     yield "## What was to be reached"
     yield ""
-    yield from summary(speed, steps, stages, long, reading, part, counts, arithmetic, decimals)
+    yield from summary(
+        speed, steps, stages, long, reading, part, counts, arithmetic, decimals, machines
+    )
     yield ""
     yield "## Start, and small parts"
     yield ""
@@ -173,9 +181,20 @@ def page(quick):
     yield ""
     yield "## Simulated machines"
     yield ""
-    yield "The ZD-065 with backlash, 24 circles and lines; processor time:"
+    yield (
+        "Round holes of a million steps: the ZD-065 with backlash, the NBY-15 by a tape of "
+        "degrees, Eindhoven's by vectors; processor time. `every kind` has returns to the start "
+        "of the block at the ZD-065:"
+    )
     yield ""
-    yield from output_of("bench_simulate.py")
+    yield from ["```", *(bench_simulate.line(*row) for row in machines), "```"]
+    yield ""
+    yield (
+        "With the gap model, three servos: what they do on the same part, and how many power "
+        "pulses are simulated a second, of the gap alone and in whole runs:"
+    )
+    yield ""
+    yield from output_of("bench_servo.py", *(("--steps", "300", "--seeds", "1") if quick else ()))
     yield ""
     yield "## Offsets"
     yield ""

@@ -16,7 +16,7 @@ from wedmcam.controllers.pointwise import MIRROR
 from wedmcam.ir.program import BLOCK, Axis, Kind, Program
 from wedmcam.simulate.checks import take_up_behind
 from wedmcam.simulate.motion import Setup
-from wedmcam.simulate.process import Way, steps_back, way_back
+from wedmcam.simulate.process import Stand, Way, steps_back, way_back
 from wedmcam.simulate.ring import pattern
 from wedmcam.simulate.route import lay
 from wedmcam.simulate.run import run as run_machine
@@ -250,7 +250,7 @@ def test_a_power_cut_within_a_take_up_or_on_a_way_back_leaves_no_trace(run, data
     cuts = []
     for fault in faults:
         if fault.trouble is not Trouble.POWER:
-            back = steps_back(route, way_back(route, ZD065.answers, fault))
+            back = steps_back(route, way_back(route, ZD065.answers, fault, Stand()))
             fault = replace(fault, cut_after=data.draw(st.integers(0, back)))
         cuts.append(fault)
     step = data.draw(st.integers(0, route.steps))

@@ -352,7 +352,7 @@ def _scenario_of(
         text = "nothing of this program is cut: no random fault can happen"
         findings = [error("bad-fault", text)]
     if state is not None and random:
-        begin = state.stand.step
+        begin = state.stand.front
         count = len(random)
         random = tuple(fault for fault in random if fault.step > begin)
         if passed := count - len(random):

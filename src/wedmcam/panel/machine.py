@@ -281,7 +281,7 @@ class Machine:
         if block is not None and not 1 <= block <= self.route.reading(step).block:
             raise Denied(8, f"block {block} was not reached")
         fault = Fault(Trouble.BREAK, step, block=block)
-        back = steps_back(self.route, way_back(self.route, ZD065.answers, fault))
+        back = steps_back(self.route, way_back(self.route, ZD065.answers, fault, self.state.stand))
         self._go([replace(fault, cut_after=back)])
         return [self.shown(f"returned, {back} steps; ready to cut on")]
 

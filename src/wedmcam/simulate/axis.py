@@ -106,5 +106,5 @@ def _slacks(state: AxisState, signs: Ints, motor: Ints, play: int) -> Ints:
         slack = min(max(slack - way, 0), play)
     length = np.diff(begin, append=len(signs))
     made = motor - np.repeat(before, length)
-    slacks: Ints = np.clip(np.repeat(np.array(starts), length) - made, 0, play)
+    slacks: Ints = np.minimum(np.maximum(np.repeat(np.array(starts), length) - made, 0), play)
     return slacks

@@ -35,7 +35,7 @@ def check_scenario(
             or _generator_off(fault, route, setup)
             or _not_reached(fault, route)
             or _take_up(fault, route, setup, begin, taken.get(fault.step, 0))
-            or _way_back(fault, route, controller.answers)
+            or _way_back(fault, route, controller.answers, begin.stand)
         )
         if fault.pulses:
             taken[fault.step] = taken.get(fault.step, 0) + fault.pulses
@@ -121,10 +121,10 @@ def _left(route: Route, step: int, setup: Setup, begin: State) -> int:
     return take_up_behind(route, step, setup)
 
 
-def _way_back(fault: Fault, route: Route, answers: Answers) -> list[Diagnostic]:
+def _way_back(fault: Fault, route: Route, answers: Answers, begin: Stand) -> list[Diagnostic]:
     after = fault.cut_after
     if after is not None and fault.trouble in (Trouble.SHORT, Trouble.BREAK):
-        back = steps_back(route, way_back(route, answers, fault))
+        back = steps_back(route, way_back(route, answers, fault, begin))
         if after > back:
             far = "{fault}: the way back has {back} steps, and the power fails behind {after}"
             return [error("bad-fault", far, fault.span, fault=str(fault), back=back, after=after)]

@@ -24,6 +24,9 @@ class Answers:
 
     Attributes:
         retreat: so many steps it goes back from a short circuit at most.
+        remembers: the way back is kept in a memory of so many steps: it ends there, behind the
+            farthest place that the wire has come to. Who goes forward by it sees no program: no
+            pause is made twice. Else the controller computes it from the program.
         returns: after a wire break it returns to a thread point or a block; else it stops on the
             spot, and the operator threads the wire there.
         shortest: with one thread point it returns to it straight.
@@ -34,6 +37,7 @@ class Answers:
     """
 
     retreat: int
+    remembers: bool = False
     returns: bool = True
     shortest: bool = False
     servo_feed: bool = False

@@ -36,7 +36,10 @@ EINDHOVEN = Controller(
     programs="its job records",
     suffix=".d15",
     answers=Answers(
-        retreat=255, returns=False, troubles=EVERYWHERE | {Trouble.STOP, Trouble.LIMIT}
+        retreat=255,
+        remembers=True,
+        returns=False,
+        troubles=EVERYWHERE | {Trouble.STOP, Trouble.LIMIT},
     ),
     takes_feed=False,
     runs_dry=False,

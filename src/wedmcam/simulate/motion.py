@@ -21,6 +21,9 @@ from wedmcam.simulate.route import Route
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
+#: Of every kind of way: whether the feed signal sets its pace; whether it goes forward.
+_FED = np.array([way in (Way.CUT, Way.SERVO_FEED) for way in WAYS])
+_AHEAD = _FED | np.array([way is Way.MOVE for way in WAYS])
 #: Steps computed at a time: some 100 MB.
 BATCH = 1_000_000
 
@@ -227,9 +230,7 @@ def _durations(
     delay = setup.return_ms / 1000
     # Step k is the first one with a feed that is stated from place k - 1 on.
     feed = rates[np.searchsorted(since, step - 1, side="right")]
-    forward = np.isin(ways, [WAYS.index(Way.CUT), WAYS.index(Way.SERVO_FEED)])
-    own = np.where(forward, 1.0 / feed, delay)
+    own = np.where(_FED[ways], 1.0 / feed, delay)
     if route.seconds is not None:
-        forward |= ways == WAYS.index(Way.MOVE)
-        own = np.where(forward, route.seconds[np.maximum(step - 1, 0)], delay)
+        own = np.where(_AHEAD[ways], route.seconds[np.maximum(step - 1, 0)], delay)
     return np.float64(delay) * ups + own

@@ -30,6 +30,7 @@ NBY15 = Controller(
     suffix=".n15",
     answers=Answers(
         retreat=256,
+        remembers=True,
         returns=False,
         servo_feed=True,
         troubles=EVERYWHERE | {Trouble.STOP, Trouble.LIMIT, Trouble.TAPE},

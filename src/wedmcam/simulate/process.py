@@ -58,7 +58,8 @@ class Stand:
         made: steps of the straight way that are made.
         short: after a retreat the short circuit is still there.
         goes_on: the operator clears an alarm, and cuts on.
-        front: number of the farthest place that the wire has come to.
+        front: number of the farthest place that the wire has come to; -1 before the run.
+        unread: the first block, 1-based, that is not read any more; None where all are.
     """
 
     mode: Mode = Mode.FORWARD
@@ -67,7 +68,8 @@ class Stand:
     made: int = 0
     short: bool = False
     goes_on: bool = False
-    front: int = 0
+    front: int = -1
+    unread: int | None = None
 
     @property
     def place(self) -> int:
@@ -187,21 +189,42 @@ class Feeder(Protocol):
         ...
 
 
-def way_back(route: Route, answers: Answers, fault: Fault) -> Stand:
-    """Return how a controller starts back from a short circuit or a wire break."""
+def way_back(route: Route, answers: Answers, fault: Fault, stand: Stand) -> Stand:
+    """Return how a controller starts back from a short circuit or a wire break.
+
+    Args:
+        route: of the program.
+        answers: of the controller.
+        fault: what happens.
+        stand: before it, wherever; what it says of the program and of the front stays.
+    """
     step = fault.step
     thread = last_thread(route, step)
-    begin = Stand(Mode.RETURN, step, thread, goes_on=fault.goes_on, front=step)
+    front = max(stand.front, step)
+    begin = Stand(Mode.RETURN, step, thread, 0, False, fault.goes_on, front, stand.unread)
     if fault.trouble is Trouble.SHORT:
-        # A retreat ends at the last thread point [R]: behind it lies a move without a wire.
         length = -(-fault.length // route.step_um)
-        back = min(length, answers.retreat, step - thread)
+        back = min(length, step - end_of_retreat(route, answers, step, front))
         return replace(begin, mode=Mode.RETREAT, target=step - back, short=length > back)
     if fault.block is not None:
         return replace(begin, target=route.start_of(fault.block))
     if answers.shortest and not route.threads.any():
         return replace(begin, mode=Mode.SHORTEST, target=0)
     return begin
+
+
+def end_of_retreat(route: Route, answers: Answers, step: int, front: int) -> int:
+    """Return the number of the place at which a way back from a short circuit ends at the latest.
+
+    Args:
+        route: of the program.
+        answers: of the controller.
+        step: number of the place of the short circuit.
+        front: number of the farthest place that the wire has come to.
+    """
+    most = (front if answers.remembers else step) - answers.retreat
+    # A retreat ends at the last thread point [R]: behind it lies a move without a wire.
+    return min(max(most, last_thread(route, step)), step)
 
 
 def steps_back(route: Route, stand: Stand) -> int:
@@ -247,10 +270,9 @@ class _Process:
         self.incidents: list[Incident] = []
         self.walked = 0
         self.cut: Fault | None = None
-        # Where nothing is left of what was read ahead.
-        self._unread: list[Halt] = []
         # At the very start a halt is still to come; elsewhere the machine was there before.
-        self._halts = self._halts_behind(-1 if stand == Stand() else stand.step)
+        self._halts = self._halts_behind(-1 if stand.front < 0 else stand.step)
+        self.stand = replace(stand, front=max(stand.front, stand.step))
 
     def run(self) -> Walk:
         if self.stand.mode is Mode.ALARM:
@@ -274,7 +296,8 @@ class _Process:
             if not self._forward_to(self._halts[-1].step):
                 return
             halt = self._halts.pop()
-            self._unread = [one for one in self._unread if one is not halt]
+            if halt.kind == "no-tape":
+                self.stand = replace(self.stand, unread=None)
             self._log(halt.kind, halt_block=halt.block)
         if not self._forward_to(goal):
             return
@@ -295,8 +318,7 @@ class _Process:
         ):
             self._stop(fault)
         else:
-            front = max(self.stand.front, fault.step)
-            self.stand = replace(way_back(self.route, self.answers, fault), front=front)
+            self.stand = way_back(self.route, self.answers, fault, self.stand)
             self._go_back(fault)
 
     def _forward_to(self, goal: int) -> bool:
@@ -335,9 +357,11 @@ class _Process:
 
     def _lose_tape(self) -> None:
         """Read no more: what is read ahead is run, then the operator puts the tape in again."""
-        halt = self.route.unread(self.stand.step, self.answers.ahead)
-        if halt is not None:
-            self._unread.append(halt)
+        if self.stand.unread is None:
+            # The tape was read on from where the wire has come to, not from where it is.
+            step = self.stand.front if self.answers.remembers else self.stand.step
+            unread = self.route.unread(step, self.answers.ahead)
+            self.stand = replace(self.stand, unread=unread)
             self._halts = self._halts_behind(self.stand.step)
 
     def _feed(self, feeder: Feeder, goal: int) -> bool:
@@ -349,7 +373,7 @@ class _Process:
         while True:
             step = self.stand.step
             # It goes back no farther than a retreat, and not onto a positioning move [R].
-            floor = max(last_thread(self.route, step), begun)
+            floor = max(end_of_retreat(self.route, self.answers, step, self.stand.front), begun)
             turn = feeder.forward(step, goal, floor, self.answers.retreat)
             for leg in turn.legs:
                 back = leg.way is Way.RETREAT
@@ -405,7 +429,7 @@ class _Process:
         """End a way back: cut on, or stop with an alarm."""
         stand = self.stand
         if stand.mode is not Mode.RETREAT:
-            self.stand = Stand(Mode.FORWARD, stand.target, front=stand.front)
+            self.stand = _forward(stand, stand.target)
             thread = stand.target in self.route.threads
             block = int(self.route.rows(np.array([stand.target + 1]))[0]) + 1
             self._log("back", where="the thread point" if thread else f"the start of block {block}")
@@ -415,14 +439,14 @@ class _Process:
             if stand.goes_on:
                 self._clear_alarm()
         else:
-            self.stand = Stand(Mode.FORWARD, stand.step, front=stand.front)
+            self.stand = _forward(stand, stand.step)
             self._log("clear")
         self._halts = self._halts_behind(self.stand.step)
 
     def _clear_alarm(self) -> None:
         if self.feeder is not None:
             self.feeder.clear()
-        self.stand = Stand(Mode.FORWARD, self.stand.step, front=self.stand.front)
+        self.stand = _forward(self.stand, self.stand.step)
         self._log("clear-alarm")
 
     # --- all modes ----------------------------------------------------------------------------
@@ -433,9 +457,15 @@ class _Process:
         self._log("power-cut", **more)
 
     def _halts_behind(self, step: int) -> list[Halt]:
-        """Return the halts that are still to come, the next one last."""
-        every = sorted([*self.route.halts, *self._unread], key=lambda halt: -halt.step)
-        return [halt for halt in every if halt.step > step]
+        """Return the halts that are still to come from a place on, the next one last."""
+        stand, halts = self.stand, list(self.route.halts)
+        if self.answers.remembers:
+            step = max(step, stand.front)
+        if stand.unread is not None:
+            halts.append(Halt(self.route.start_of(stand.unread), stand.unread, "no-tape"))
+        ahead = [halt for halt in halts if halt.step > step]
+        # What is not read any more stands before the halt that would be read next.
+        return sorted(ahead, key=lambda h: (h.step, h.block, h.kind != "no-tape"), reverse=True)
 
     def _add(self, leg: Leg) -> None:
         if leg.steps:
@@ -444,3 +474,8 @@ class _Process:
 
     def _log(self, kind: str, **more: Any) -> None:
         self.incidents.append(Incident(kind, self.walked, self.stand.step, more))
+
+
+def _forward(stand: Stand, step: int) -> Stand:
+    """Return how a machine goes forward from a place, behind whatever it did."""
+    return Stand(Mode.FORWARD, step, front=stand.front, unread=stand.unread)

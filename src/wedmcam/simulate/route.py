@@ -175,21 +175,21 @@ class Route:
         """Return what the controller holds at one place."""
         return Reading(*(int(column[0]) for column in self.readings(np.array([step]))))
 
-    def unread(self, step: int, ahead: int) -> Halt | None:
-        """Return where the machine stops if from a place on no more of the program is read.
+    def unread(self, step: int, ahead: int) -> int | None:
+        """Return the first block that is not read if from a place on no more of the program is.
 
         Args:
             step: number of the place.
             ahead: how many records are read ahead of the one that is run.
 
         Returns:
-            None where the rest was read already.
+            1-based; None where the rest was read already.
         """
-        row = int(self.rows(np.array([min(step + 1, self.steps)]))[0])
-        first = int(np.searchsorted(self.records, self.records[row] + ahead, side="right"))
-        if first == len(self.records):
+        if step >= self.steps:
             return None
-        return Halt(int(self.first[first]), first + 1, "no-tape")
+        row = int(self.rows(np.array([step + 1]))[0])
+        first = int(np.searchsorted(self.records, self.records[row] + ahead, side="right"))
+        return None if first == len(self.records) else first + 1
 
     def start_of(self, block: int) -> int:
         """Return the number of the place at which a block, 1-based, begins."""

@@ -47,7 +47,7 @@ class Fault:
     Attributes:
         trouble: what.
         step: number of the step of the path after which it happens, 0 for the start.
-        length: of a short circuit: how far the wire has to go back until it is free, steps.
+        length: of a short circuit: how far the wire has to go back until it is free, um.
         block: of a wire break: to the start of which block, 1-based, the operator returns; None
             for the thread point.
         pulses: of a power cut: how many steps of the take-up before the next step are made.

@@ -71,6 +71,7 @@ def state_bytes(state: State) -> bytes:
         "short": state.stand.short,
         "goes_on": state.stand.goes_on,
         "front": state.stand.front,
+        "unread": state.stand.unread,
         **state.reading._asdict(),
         "direction": [axis.direction for axis in both],
         "left": [axis.left for axis in both],
@@ -90,7 +91,7 @@ def state_bytes(state: State) -> bytes:
 
 
 def _sum(lines: list[str]) -> str:
-    return f"{zlib.crc32(chr(10).join(lines).encode('utf-8')):08x}"
+    return f"{zlib.crc32(chr(10).join(lines).encode()):08x}"
 
 
 def _whole(low: int, high: int = _MOST) -> Callable[[Any], bool]:
@@ -106,7 +107,7 @@ _LENGTHS = _pair(_whole(0, 9999))
 #: Field -> what its value has to be.
 _FIELDS: dict[str, Callable[[Any], bool]] = {
     "wedmcam": lambda v: v == TITLE,
-    "controller": lambda v: isinstance(v, str),
+    "controller": lambda v: isinstance(v, str) and v.isascii(),
     "program": lambda v: isinstance(v, str) and bool(re.fullmatch("[0-9a-f]{64}", v)),
     "mode": lambda v: isinstance(v, str) and v in set(Mode) - {Mode.END},
     "step": _whole(0),
@@ -115,6 +116,7 @@ _FIELDS: dict[str, Callable[[Any], bool]] = {
     "short": lambda v: isinstance(v, bool),
     "goes_on": lambda v: isinstance(v, bool),
     "front": _whole(0),
+    "unread": lambda v: v is None or _whole(1)(v),
     "block": _whole(1),
     "x": _whole(-_MOST),
     "y": _whole(-_MOST),
@@ -191,6 +193,12 @@ def check_state(
         return [
             error("bad-state", front, span, front=stand.front, step=stand.step, steps=route.steps)
         ]
+    if stand.unread is not None and not (
+        stand.unread <= len(route.first) and stand.step <= route.start_of(stand.unread)
+    ):
+        read = "unread is block {unread}: step {step} lies behind its start"
+        span = _span(text, "unread", name)
+        return [error("bad-state", read, span, unread=stand.unread, step=stand.step)]
     if target > stand.step or (back and stand.made > steps_back(route, stand)):
         far = "no way back from step {step} ends at {target}"
         span = _span(text, "target", name)
@@ -218,7 +226,7 @@ def _wrong_axes(state: State, text: str, name: str) -> list[Diagnostic]:
             ("slack", axis.slack, state.play[k]),
         ):
             if held > most:
-                why = "{field} is {held} um on {axis}; the most is {most} um"
+                why = "{field} is {held} steps on {axis}; the most is {most}"
                 span = _span(text, field, name)
                 return [
                     error("bad-state", why, span, field=field, held=held, axis="xy"[k], most=most)
@@ -256,7 +264,7 @@ def _state(fields: dict[str, Any]) -> State:
         AxisState(*(fields[name][k] for name in ("direction", "left", "motor", "slack")))
         for k in range(2)
     )
-    names = ("step", "target", "made", "short", "goes_on", "front")
+    names = ("step", "target", "made", "short", "goes_on", "front", "unread")
     return State(
         controller=fields["controller"],
         program=fields["program"],

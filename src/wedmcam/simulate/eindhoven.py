@@ -25,8 +25,10 @@ def lay_vectors(program: Program, stepping: Stepping) -> Route:
     """Return the route of vectors: each states its speed, and J counts its steps down."""
     assert isinstance(stepping, Vectors)
     route = lay(program, stepping)
-    each = stepping.seconds(route.program.blocks) / np.maximum(route.lengths, 1)
-    return replace(route, by_steps=True, seconds=np.repeat(each, route.lengths))
+    seconds = stepping.step_seconds(route.program.blocks)
+    waits = np.diff(seconds, prepend=0.0)
+    waits[route.first[route.lengths > 0]] = seconds[route.first[route.lengths > 0]]
+    return replace(route, by_steps=True, seconds=waits)
 
 
 EINDHOVEN = Controller(

@@ -1,10 +1,11 @@
 """Three laws by which a wire is fed, each against the same gap: what it reads, and what it does.
 
 * `PatentLaw`: the circuit of `servo`: a step forward, or N back, by counted pulses.
-* `EindhovenLaw`: the microcomputer of the DEM-15 gets how many of 255 pulses were short circuits
-  and how many open [S], so it is late by 255 t(p) [S]; it adapts the cutting speed so that both
-  become few [S]. The loop was left to be written: ours is an integrating controller with limits
-  and a proportional part, without which it swings, as the gap integrates too [R].
+* `EindhovenLaw`: the microcomputer of the DEM-15 reads from its counters how many of 255 pulses
+  were short circuits and how many open [S], so it is late by 255 t(p) [S]; it adapts the cutting
+  speed so that both become few [S]. The loop was left to be written: ours is an integrating
+  controller with limits and a proportional part, without which it swings, as the gap integrates
+  too [R].
 * `FeedLaw`: the generator of a ZD-065 gives a signal for each step, the faster the higher the mean
   voltage of the gap; short-circuited it gives none, and the controller goes back, at most 100 um,
   until the signal returns [S]. Voltages, frequencies and the generator's smoothing are [R].
@@ -21,14 +22,13 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from wedmcam.controllers.eindhoven.counters import CYCLE, PulseCounters
 from wedmcam.simulate.gap import Counts, Gap
 from wedmcam.simulate.runs import Draw
 from wedmcam.simulate.servo import Counters, Settings, retract_times
 
 Floats = NDArray[np.float64]
 
-#: Pulses that the DEM-15 counts together [S].
-EINDHOVEN_WINDOW = 255
 #: One unit of its speed, um/s, and the largest of its 7 bits [D].
 SPEED_UNIT_UM = 0.2625
 FASTEST_UNITS = 127
@@ -185,8 +185,9 @@ class EindhovenLaw(_WindowLaw):
             hz: power pulses a second.
             settings: of the loop.
         """
-        super().__init__(draw, hz, EINDHOVEN_WINDOW)
+        super().__init__(draw, hz, CYCLE)
         self.settings = settings or EindhovenSettings()
+        self.counters = PulseCounters()
         self._held = self.settings.first * SPEED_UNIT_UM
 
     def begin(self) -> None:
@@ -197,9 +198,12 @@ class EindhovenLaw(_WindowLaw):
     def speed(self, counts: Counts) -> float:
         """Return the speed that the controller sets after it read both counters."""
         s = self.settings
-        if counts.short >= s.short_share * self.window:
+        full = self.counters.counted(CYCLE, counts.short, counts.open)
+        read, shorts = full.read_sc()
+        self.counters, opens = read.read_op()
+        if shorts >= s.short_share * self.window:
             return -s.back
-        error = (counts.open - counts.short) / self.window
+        error = (opens - shorts) / self.window
         most = FASTEST_UNITS * SPEED_UNIT_UM
         self._held += s.integral * error * self.window / self.hz
         self._held = min(max(self._held, SPEED_UNIT_UM), most)

@@ -222,19 +222,53 @@ class Vectors:
         out: Floats = share / np.maximum(np.hypot(a, b), 1.0)
         return out
 
+    def _arrival(self, moves: Motion, speeds: Speeds) -> tuple[Bools, Ints, Floats]:
+        """Return whether x arrives first, how many steps the other axis has made then, and when, s.
+
+        A step that is due at the same time is served before POSCAL runs: timers are interrupts.
+        """
+        a, b = np.abs(moves.dx), np.abs(moves.dy)
+        p, q = speeds.x.astype(np.int64), speeds.y.astype(np.int64)
+        first_x: Bools = (p > 0) & ((q == 0) | (a * q <= b * p))
+        made = np.where(first_x, a * q // np.maximum(p, 1), b * p // np.maximum(q, 1))
+        way, speed = np.where(first_x, a, b), np.where(first_x, p, q)
+        unit = SPEED_UM_PER_S / STEP_UM / speeds.scale  # steps a second
+        return first_x, made, way / (np.maximum(speed, 1) * unit)
+
+    def _alone_s(self, blocks: Blocks) -> Floats:
+        """Return how long a step takes of an axis that runs alone, s."""
+        out: Floats = STEP_UM / SPEED_UM_PER_S / np.maximum(blocks["count"], 1)
+        return out
+
     def seconds(self, blocks: Blocks) -> Floats:
         """Return how long each block takes: both axes until one arrives, then the other alone."""
         moves, speeds = self.run(blocks), self.speeds(blocks)
-        a, b = np.abs(moves.dx).astype(float), np.abs(moves.dy).astype(float)
-        unit = SPEED_UM_PER_S / STEP_UM  # steps a second
-        p, q = speeds.x * unit / speeds.scale, speeds.y * unit / speeds.scale
-        with np.errstate(divide="ignore", invalid="ignore"):
-            tx, ty = np.where(p > 0, a / p, np.inf), np.where(q > 0, b / q, np.inf)
-            both = np.minimum(tx, ty)
-            both = np.where(np.isfinite(both), both, 0.0)
-            left = (a - both * p) + (b - both * q)
-            alone = left / np.maximum(blocks["count"] * unit, 1e-12)
-        out: Floats = np.where(moves.steps > 0, both + alone, 0.0)
+        first_x, made, arrives = self._arrival(moves, speeds)
+        left = np.abs(np.where(first_x, moves.dy, moves.dx)) - made
+        out: Floats = np.where(moves.steps > 0, arrives + left * self._alone_s(blocks), 0.0)
+        return out
+
+    def step_seconds(self, blocks: Blocks) -> Floats:
+        """Return when each step of each block is made, s from the start of its block.
+
+        Until an axis arrives, step k of an axis of speed v is due at k / v; behind that the other
+        one goes on alone with the whole speed.
+        """
+        moves, speeds = self.run(blocks), self.speeds(blocks)
+        first_x, alone, arrives = self._arrival(moves, speeds)
+        steps = np.maximum(moves.steps, 0)
+        of = np.repeat(np.arange(len(blocks)), steps)
+        n = np.arange(len(of)) - np.repeat(np.cumsum(steps) - steps, steps) + 1
+        columns = np.abs(moves.dx), np.abs(moves.dy), speeds.x, speeds.y
+        ways = [column[of].astype(np.int64) for column in columns]
+        i, j = self._made(n, *ways)
+        on_x = i > self._made(n - 1, *ways)[0]
+        made = np.where(on_x, i, j)
+        unit = SPEED_UM_PER_S / STEP_UM / speeds.scale
+        own = made / (np.maximum(np.where(on_x, ways[2], ways[3]), 1) * unit)
+        late = (on_x != first_x[of]) & (made > alone[of])
+        rest = (made - alone[of]) * self._alone_s(blocks)[of]
+        out: Floats = np.where(late, arrives[of] + rest, own)
         return out
 
     def extents(self, blocks: Blocks, steps: Ints, start: Ints, end: Ints) -> Floats:

@@ -18,7 +18,7 @@ from wedmcam.simulate.controllers import CONTROLLERS
 from wedmcam.simulate.feeding import Feeding
 from wedmcam.simulate.gap import Gap, Workpiece
 from wedmcam.simulate.laws import LAWS
-from wedmcam.simulate.run import run
+from wedmcam.simulate.run import initial, run
 from wedmcam.simulate.runs import AtOnce
 from wedmcam.simulate.scenario import Fault, Trouble, drawn, scenario_of
 from wedmcam.simulate.state import check_state, read_state, state_bytes
@@ -85,6 +85,14 @@ def test_a_state_is_the_same_behind_its_file_and_none_that_the_program_contradic
             seen[state.stand.mode] += 1
     assert seen["forward"] > 20
     assert seen["retreat"] > 3
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_a_state_before_the_run_goes_through_its_file(name):
+    begin = initial(CONTROLLERS[name], route_of(name), setup_of(name))
+    state, findings = read_state(state_bytes(begin), "a.state")
+    assert (state, findings) == (begin, [])
+    assert not check_state(state, name, route_of(name), "", "a.state")
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)

@@ -115,7 +115,7 @@ _FIELDS: dict[str, Callable[[Any], bool]] = {
     "made": _whole(0),
     "short": lambda v: isinstance(v, bool),
     "goes_on": lambda v: isinstance(v, bool),
-    "front": _whole(0),
+    "front": _whole(-1),
     "unread": lambda v: v is None or _whole(1)(v),
     "block": _whole(1),
     "x": _whole(-_MOST),
@@ -187,7 +187,7 @@ def check_state(
         return [error("bad-state", long, span, steps=route.steps, step=stand.step)]
     back = stand.mode not in (Mode.FORWARD, Mode.ALARM)
     target = stand.target if back else 0
-    if not stand.step <= stand.front <= route.steps:
+    if not stand.step <= max(stand.front, 0) <= route.steps:
         front = "front is {front}: from step {step} on, up to the {steps} of the program"
         span = _span(text, "front", name)
         return [

@@ -370,7 +370,7 @@ def _figures(record: Record) -> dict[str, Any]:
     pair: Callable[[Any], list[int]] = list
     return {
         "finished": record.finished,
-        "blocks": len(route.program.blocks),
+        "blocks": route.blocks,
         "steps": route.steps,
         "walked": record.walked,
         "pulses": record.pulses,
@@ -397,6 +397,7 @@ def _figures(record: Record) -> dict[str, Any]:
                 "time_s": round(event.time_s, 6),
                 "walked": event.walked,
                 "table_um": pair(event.table_um),
+                **({} if record.controller.lamps is None else {"lamps": list(event.lamps)}),
                 **event.more,
             }
             for event in record.events

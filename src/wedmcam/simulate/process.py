@@ -59,6 +59,7 @@ class Stand:
         short: after a retreat the short circuit is still there.
         goes_on: the operator clears an alarm, and cuts on.
         front: number of the farthest place that the wire has come to.
+        unread: from which block, 1-based, on nothing is read; 0 where the program is read.
     """
 
     mode: Mode = Mode.FORWARD
@@ -68,12 +69,17 @@ class Stand:
     short: bool = False
     goes_on: bool = False
     front: int = 0
+    unread: int = 0
 
     @property
     def place(self) -> int:
         """Number of the place from which the machine goes forward again."""
         back = self.mode in (Mode.RETREAT, Mode.RETURN, Mode.SHORTEST)
         return self.target if back else self.step
+
+    def ahead(self, step: int) -> Stand:
+        """Return it on its way forward from a place."""
+        return Stand(Mode.FORWARD, step, front=self.front, unread=self.unread)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,14 +135,19 @@ class Incident:
         kind: pause, thread-point, short, clear, front, alarm, clear-alarm, break, back, power-cut,
             resume, stop, start, limit, tape, no-tape, end.
         walked: how many steps were made before it, back and forth, in this run.
-        step: number of the place.
+        stand: of the process.
         more: what else there is to say of it.
     """
 
     kind: str
     walked: int
-    step: int
+    stand: Stand
     more: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def step(self) -> int:
+        """Number of the place."""
+        return self.stand.step
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,21 +198,37 @@ class Feeder(Protocol):
         ...
 
 
-def way_back(route: Route, answers: Answers, fault: Fault) -> Stand:
-    """Return how a controller starts back from a short circuit or a wire break."""
+def way_back(route: Route, answers: Answers, fault: Fault, front: int = 0) -> Stand:
+    """Return how a controller starts back from a short circuit or a wire break.
+
+    Args:
+        route: of the program.
+        answers: of the controller.
+        fault: the short circuit, or the wire break.
+        front: number of the farthest place that the wire has come to, where that lies ahead.
+    """
     step = fault.step
     thread = last_thread(route, step)
     begin = Stand(Mode.RETURN, step, thread, goes_on=fault.goes_on, front=step)
     if fault.trouble is Trouble.SHORT:
         # A retreat ends at the last thread point [R]: behind it lies a move without a wire.
         length = -(-fault.length // route.step_um)
-        back = min(length, answers.retreat, step - thread)
+        back = min(length, step - farthest_back(answers, step, front), step - thread)
         return replace(begin, mode=Mode.RETREAT, target=step - back, short=length > back)
     if fault.block is not None:
         return replace(begin, target=route.start_of(fault.block))
     if answers.shortest and not route.threads.any():
         return replace(begin, mode=Mode.SHORTEST, target=0)
     return begin
+
+
+def farthest_back(answers: Answers, step: int, front: int) -> int:
+    """Return the number of the place to which a controller can go back; below 0 for any.
+
+    A memory of steps is filled as the wire comes to new places, and a servo feed reads it again: on
+    its way the machine is as far back as it is behind the front.
+    """
+    return (max(step, front) if answers.servo_feed else step) - answers.retreat
 
 
 def steps_back(route: Route, stand: Stand) -> int:
@@ -247,8 +274,6 @@ class _Process:
         self.incidents: list[Incident] = []
         self.walked = 0
         self.cut: Fault | None = None
-        # Where nothing is left of what was read ahead.
-        self._unread: list[Halt] = []
         # At the very start a halt is still to come; elsewhere the machine was there before.
         self._halts = self._halts_behind(-1 if stand == Stand() else stand.step)
 
@@ -274,8 +299,10 @@ class _Process:
             if not self._forward_to(self._halts[-1].step):
                 return
             halt = self._halts.pop()
-            self._unread = [one for one in self._unread if one is not halt]
             self._log(halt.kind, halt_block=halt.block)
+            if halt.kind == "no-tape":
+                self.stand = replace(self.stand, unread=0)
+                self._log("start")
         if not self._forward_to(goal):
             return
         if fault is None:
@@ -286,17 +313,19 @@ class _Process:
         if fault.trouble is Trouble.POWER:
             self._cut_power(fault)
             return
-        more = {"length": fault.length} if fault.trouble is Trouble.SHORT else {}
-        self._log(str(fault.trouble), **more)
         if fault.trouble is Trouble.TAPE:
             self._lose_tape()
-        elif fault.trouble in (Trouble.STOP, Trouble.LIMIT) or (
+            return
+        more = {"length": fault.length} if fault.trouble is Trouble.SHORT else {}
+        self._log(str(fault.trouble), **more)
+        if fault.trouble in (Trouble.STOP, Trouble.LIMIT) or (
             fault.trouble is Trouble.BREAK and not self.answers.returns
         ):
             self._stop(fault)
         else:
             front = max(self.stand.front, fault.step)
-            self.stand = replace(way_back(self.route, self.answers, fault), front=front)
+            back = way_back(self.route, self.answers, fault, front)
+            self.stand = replace(back, front=front, unread=self.stand.unread)
             self._go_back(fault)
 
     def _forward_to(self, goal: int) -> bool:
@@ -334,11 +363,16 @@ class _Process:
         self._log("start")
 
     def _lose_tape(self) -> None:
-        """Read no more: what is read ahead is run, then the operator puts the tape in again."""
+        """Read no more: what is read ahead is run, then the operator puts the tape in again.
+
+        Where the reader stands already, it goes on standing.
+        """
         halt = self.route.unread(self.stand.step, self.answers.ahead)
-        if halt is not None:
-            self._unread.append(halt)
+        if halt is not None and not self.stand.unread:
+            self.stand = replace(self.stand, unread=halt.block)
             self._halts = self._halts_behind(self.stand.step)
+        unread = self.stand.unread
+        self._log("tape", **({"until": self.route.start_of(unread)} if unread else {}))
 
     def _feed(self, feeder: Feeder, goal: int) -> bool:
         """Let a servo go to a place of a stretch on which the generator is on."""
@@ -349,7 +383,8 @@ class _Process:
         while True:
             step = self.stand.step
             # It goes back no farther than a retreat, and not onto a positioning move [R].
-            floor = max(last_thread(self.route, step), begun)
+            behind = farthest_back(self.answers, step, self.stand.front)
+            floor = max(last_thread(self.route, step), begun, behind)
             turn = feeder.forward(step, goal, floor, self.answers.retreat)
             for leg in turn.legs:
                 back = leg.way is Way.RETREAT
@@ -405,9 +440,10 @@ class _Process:
         """End a way back: cut on, or stop with an alarm."""
         stand = self.stand
         if stand.mode is not Mode.RETREAT:
-            self.stand = Stand(Mode.FORWARD, stand.target, front=stand.front)
+            self.stand = stand.ahead(stand.target)
             thread = stand.target in self.route.threads
-            block = int(self.route.rows(np.array([stand.target + 1]))[0]) + 1
+            row = int(self.route.rows(np.array([stand.target + 1]))[0])
+            block = int(self.route.records[row]) + 1
             self._log("back", where="the thread point" if thread else f"the start of block {block}")
         elif stand.short:
             self.stand = replace(stand, mode=Mode.ALARM)
@@ -415,14 +451,14 @@ class _Process:
             if stand.goes_on:
                 self._clear_alarm()
         else:
-            self.stand = Stand(Mode.FORWARD, stand.step, front=stand.front)
+            self.stand = stand.ahead(stand.step)
             self._log("clear")
         self._halts = self._halts_behind(self.stand.step)
 
     def _clear_alarm(self) -> None:
         if self.feeder is not None:
             self.feeder.clear()
-        self.stand = Stand(Mode.FORWARD, self.stand.step, front=self.stand.front)
+        self.stand = self.stand.ahead(self.stand.step)
         self._log("clear-alarm")
 
     # --- all modes ----------------------------------------------------------------------------
@@ -434,8 +470,12 @@ class _Process:
 
     def _halts_behind(self, step: int) -> list[Halt]:
         """Return the halts that are still to come, the next one last."""
-        every = sorted([*self.route.halts, *self._unread], key=lambda halt: -halt.step)
-        return [halt for halt in every if halt.step > step]
+        every = list(self.route.halts)
+        if self.stand.unread:
+            # Put in front of what the block itself says: sorting keeps their order.
+            every.insert(0, self.route.no_tape(self.stand.unread))
+        every = sorted(every, key=lambda halt: (halt.step, halt.block))
+        return [halt for halt in reversed(every) if halt.step > step]
 
     def _add(self, leg: Leg) -> None:
         if leg.steps:
@@ -443,4 +483,4 @@ class _Process:
             self.walked += leg.steps
 
     def _log(self, kind: str, **more: Any) -> None:
-        self.incidents.append(Incident(kind, self.walked, self.stand.step, more))
+        self.incidents.append(Incident(kind, self.walked, self.stand, more))

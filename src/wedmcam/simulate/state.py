@@ -71,6 +71,7 @@ def state_bytes(state: State) -> bytes:
         "short": state.stand.short,
         "goes_on": state.stand.goes_on,
         "front": state.stand.front,
+        "unread": state.stand.unread,
         **state.reading._asdict(),
         "direction": [axis.direction for axis in both],
         "left": [axis.left for axis in both],
@@ -115,6 +116,7 @@ _FIELDS: dict[str, Callable[[Any], bool]] = {
     "short": lambda v: isinstance(v, bool),
     "goes_on": lambda v: isinstance(v, bool),
     "front": _whole(0),
+    "unread": _whole(0),
     "block": _whole(1),
     "x": _whole(-_MOST),
     "y": _whole(-_MOST),
@@ -191,6 +193,11 @@ def check_state(
         return [
             error("bad-state", front, span, front=stand.front, step=stand.step, steps=route.steps)
         ]
+    block = stand.unread
+    if block and (block > route.blocks + 1 or route.start_of(block) <= stand.front):
+        unread = "unread is {block}: no block that begins behind step {front}"
+        span = _span(text, "unread", name)
+        return [error("bad-state", unread, span, block=block, front=stand.front)]
     if target > stand.step or (back and stand.made > steps_back(route, stand)):
         far = "no way back from step {step} ends at {target}"
         span = _span(text, "target", name)
@@ -256,7 +263,7 @@ def _state(fields: dict[str, Any]) -> State:
         AxisState(*(fields[name][k] for name in ("direction", "left", "motor", "slack")))
         for k in range(2)
     )
-    names = ("step", "target", "made", "short", "goes_on", "front")
+    names = ("step", "target", "made", "short", "goes_on", "front", "unread")
     return State(
         controller=fields["controller"],
         program=fields["program"],

@@ -60,6 +60,8 @@ class Controller:
         takes_feed: the feed comes from outside; else the program states its speeds.
         runs_dry: it has a dry run.
         lay: how the route of a program is laid.
+        readable: of bytes with an error, those in front of it, where the machine runs them: a tape
+            is read while it runs. None where the whole program is read first.
         lamps: of its panel, those that are lit behind an event of a kind (`process.Incident`).
         sentences: kind of an event -> what people read of it, where its own words differ.
     """
@@ -74,5 +76,6 @@ class Controller:
     takes_feed: bool = True
     runs_dry: bool = True
     lay: Callable[[Program, Stepping], Route] = lay
+    readable: Callable[[bytes], bytes] | None = None
     lamps: Callable[[str, Stand], tuple[str, ...]] | None = None
     sentences: Mapping[str, str] = field(default_factory=dict)

@@ -14,6 +14,7 @@ from enum import StrEnum
 
 from wedmcam.controllers import Stepping
 from wedmcam.controllers.nby15.data import TapeProgram
+from wedmcam.formats.tape import before_error
 from wedmcam.ir.program import Program
 from wedmcam.simulate.controller import EVERYWHERE, Answers, Controller
 from wedmcam.simulate.process import Mode, Stand
@@ -118,6 +119,7 @@ NBY15 = Controller(
         ahead=3,
     ),
     lay=lay_tape,
+    readable=before_error,
     lamps=lamps,
     sentences=SENTENCES,
 )

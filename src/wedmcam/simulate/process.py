@@ -316,7 +316,11 @@ class _Process:
         if fault.trouble is Trouble.TAPE:
             self._lose_tape()
             return
-        more = {"length": fault.length} if fault.trouble is Trouble.SHORT else {}
+        more: dict[str, Any] = {}
+        if fault.trouble is Trouble.SHORT:
+            more["length"] = fault.length
+        elif fault.switch:
+            more["switch"] = fault.switch
         self._log(str(fault.trouble), **more)
         if fault.trouble in (Trouble.STOP, Trouble.LIMIT) or (
             fault.trouble is Trouble.BREAK and not self.answers.returns

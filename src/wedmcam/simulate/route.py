@@ -190,7 +190,9 @@ class Route:
         Returns:
             None where the rest was read already.
         """
-        row = int(self.rows(np.array([min(step + 1, self.steps)]))[0])
+        if step == self.steps:
+            return None
+        row = int(self.rows(np.array([step + 1]))[0])
         first = int(self.records[row]) + ahead + 1
         return None if first > self.blocks else self.no_tape(first + 1)
 

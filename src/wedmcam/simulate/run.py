@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error, warning
+from wedmcam.diag import Diagnostic, Place, error, warning
 from wedmcam.simulate.axis import AxisState, part_taken
 from wedmcam.simulate.checks import check_scenario
 from wedmcam.simulate.controller import Controller
@@ -210,9 +210,19 @@ def _alarm(record: Record) -> list[Diagnostic]:
     """Return why a run ended with an alarm."""
     stand, block = record.state.stand, record.state.reading.block
     if not stand.short:
-        switch = "a limit switch stopped the machine at step {step}, block {block}"
-        hint = "see to the machine; then it goes on from its state"
-        return [error("alarm", switch, None, hint=hint, step=stand.step, block=block)]
+        where = Place.of_um(*record.final_um)
+        return [
+            error(
+                "alarm",
+                "a limit switch stopped the machine at step {step}, block {block}, at {place} from "
+                "the start",
+                None,
+                hint="see to the machine; then it goes on from its state",
+                step=stand.step,
+                block=block,
+                place=where,
+            )
+        ]
     text = (
         "the machine stopped with an alarm at step {step}, block {block}: the short circuit is "
         "still there{back}"

@@ -159,7 +159,7 @@ class _Curves:
 
 def _mm(route: Route, places: Ints) -> Floats:
     """Return places, steps from the start, as mm."""
-    out: Floats = places * (route.step_um / 1000)
+    out: Floats = places * np.float64(route.step_um / 1000)
     return out
 
 

@@ -167,11 +167,13 @@ def _assert_all_happened(record, faults, fed):
     for before, after in zip(record.events, record.events[1:], strict=False):
         if before.kind == "power-cut":
             assert after.kind == "resume"
-            assert replace(after, kind="", more={}) == replace(before, kind="", more={})
+            assert replace(after, kind="", more={}, lamps=()) == replace(
+                before, kind="", more={}, lamps=()
+            )
     assert kinds["alarm"] + kinds["limit"] == kinds["clear-alarm"]
     # An alarm of a servo that cannot go back has no short circuit before it.
     assert fed or kinds["short"] == kinds["clear"] + kinds["alarm"]
-    assert kinds["stop"] + (kinds["break"] - kinds["back"]) == kinds["start"]
+    assert kinds["stop"] + (kinds["break"] - kinds["back"]) + kinds["no-tape"] == kinds["start"]
     halts = [halt.step for halt in record.route.halts]
     assert {e.step for e in record.events if e.kind in ("pause", "thread-point")} == set(halts)
     if record.controller.answers.remembers:

@@ -21,18 +21,21 @@ class Tape:
         self.records = route.records.tolist()
         self.lengths = route.lengths.tolist()
         self.first = route.first.tolist()
-        self.ahead = ahead
+        self.ahead, self.blocks, self.end = ahead, route.blocks, route.steps
 
     def ends_at(self, n):
         """Return place and row of the first block that is not read if the tape tears at a place.
 
-        The record that is run is the one of the next step. None: all is read.
+        The record that is run is the one of the next step; what ends the program is one too. None:
+        all is read.
         """
         for row, length in enumerate(self.lengths):
             if self.first[row] <= n < self.first[row] + length:
                 held = self.records[row] + self.ahead
+                if held >= self.blocks:
+                    return None
                 later = [k for k, record in enumerate(self.records) if record > held]
-                return (self.first[later[0]], later[0]) if later else None
+                return (self.first[later[0]], later[0]) if later else (self.end, len(self.records))
         return None
 
 
@@ -72,10 +75,11 @@ class Process:
 
     def arrive(self):
         """Stop where the program says so, or where nothing of it is read any more."""
-        for row, (at, kind) in enumerate(self.halts):
+        for row, (at, kind) in enumerate([*self.halts, (self.end, "")]):
             if self.torn == (self.n, row):
                 self.say("no-tape")
                 self.torn = None
+                self.say("start")
             if at == self.n and kind:
                 self.say(kind)
 
@@ -151,7 +155,10 @@ class Process:
                 self.cut()
             self.n = 0
         else:
-            goal = self.thread() if fault.block is None else self.starts[fault.block - 1]
+            goal = self.thread()
+            if fault.block is not None:  # as it is written: of many rows maybe
+                rows = enumerate(self.tape.records)
+                goal = self.starts[next(k for k, one in rows if one >= fault.block - 1)]
             while True:
                 if fault.cut_after == made:
                     self.cut()

@@ -164,7 +164,8 @@ def test_who_goes_on_from_an_alarm_or_a_saved_state_does_what_one_run_does(data)
         (["tape@5", "tape@15"], [20]),
         (["tape@5", "tape@20"], [20, 40]),
         (["tape@5", "power@15"], [20]),
-        (["tape@45"], []),
+        (["tape@45"], [60]),  # what ends the program is not read
+        (["tape@55"], []),
         (["tape@60"], []),
     ],
 )

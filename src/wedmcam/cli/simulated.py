@@ -24,7 +24,7 @@ def print_simulation(simulation: Simulation, verbose: bool, state: str | None) -
     setup, route = record.setup, record.route
     dry = setup.dry_ms is not None
     print_text(
-        f"runs       {_number(len(route.program.blocks), 'block')}, {route.steps} steps on the "
+        f"runs       {_number(route.blocks, 'block')}, {route.steps} steps on the "
         f"{record.controller.title}: {'drawn dry' if dry else 'cut'}",
         err=True,
     )
@@ -94,13 +94,15 @@ def _told(record: Record) -> Iterator[tuple[int, Event, str]]:
     legs = [leg for session in record.sessions for leg in session.legs]
     ends = accumulate(leg.steps for leg in legs)
     straight = {end for leg, end in zip(legs, ends, strict=True) if leg.way is Way.SHORTEST}
+    sentences = {**_SENTENCES, **record.controller.sentences}
     fault: Event | None = None
     for n, event in enumerate(record.events, 1):
         if event.kind in ("short", "break"):
             fault = event
         # Who goes on from a state of the way back does not know where that began.
         steps = None if fault is None else event.walked - fault.walked
-        yield n, event, _SENTENCES[event.kind].format(**_filled(event, steps, straight))
+        what = sentences[event.kind].format(**_filled(event, steps, straight))
+        yield n, event, f"{what} [{' + '.join(event.lamps)}]" if event.lamps else what
         if event.kind in ("clear", "alarm", "back"):
             fault = None
 
@@ -119,10 +121,12 @@ def _filled(event: Event, steps: int | None, straight: set[int]) -> dict[str, An
         steps: from the fault until then; None where that is not known.
         straight: where the shortest ways back end, in steps walked.
     """
-    cut = event.more.get("pulses", 0)
+    cut, until = event.more.get("pulses", 0), event.more.get("until")
     way = "the shortest way" if event.walked in straight else "along the path"
     return {
         **event.more,
+        "ahead": f"what is read ahead goes on to step {until}" if until else "all of it was read",
+        "switch": f": {event.more['switch']}" if "switch" in event.more else "",
         "within": f", behind {cut} steps of taking up play" if cut else "",
         "gone": "" if steps is None else f"{steps} um back ",
         "still": "" if steps is None else f" {steps} um back",
@@ -143,12 +147,12 @@ _SENTENCES = {
     "power-cut": "the power fails{within}; the state is saved",
     "resume": "resume from the saved state",
     "end": "end of the program",
-    "front": "where the short circuit was: FORWARD",
+    "front": "where the short circuit was: cut on",
     "stop": "ALARM: emergency stop",
     "start": "the operator has seen to it: cut on",
     "limit": "ALARM: a limit switch",
-    "tape": "TAPE: no more of the tape is read",
-    "no-tape": "nothing is left of what was read ahead: the tape is put in, and it is cut on",
+    "tape": "no more of the tape is read; {ahead}",
+    "no-tape": "nothing is left of what was read ahead: the machine stops",
 }
 
 

@@ -45,6 +45,16 @@ def odd_rows(data: bytes) -> NDArray[np.int64]:
     return np.flatnonzero(_HOLES[np.frombuffer(data, np.uint8)] % 2 == 1)
 
 
+def before_error(data: bytes) -> bytes:
+    r"""Return the whole lines in front of the first row whose parity is wrong.
+
+    >>> before_error(with_parity("%\nM00\nM0") + b"\x01").endswith(with_parity("M00\n"))
+    True
+    """
+    odd = odd_rows(data)
+    return data if not len(odd) else data[: data.rfind(b"\n", 0, int(odd[0])) + 1]
+
+
 def without_parity(data: bytes) -> bytes:
     """Return the characters of rows, blank and rubbed-out rows among them as NUL and DEL."""
     return (np.frombuffer(data, np.uint8) & 0x7F).astype(np.uint8).tobytes()

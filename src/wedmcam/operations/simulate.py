@@ -29,7 +29,15 @@ from wedmcam.simulate.read import read_scenario
 from wedmcam.simulate.record import Record, in_um
 from wedmcam.simulate.route import Route
 from wedmcam.simulate.run import run as run_machine
-from wedmcam.simulate.scenario import HOW, Fault, Scenario, drawn, fault_of, scenario_of
+from wedmcam.simulate.scenario import (
+    HOW,
+    Fault,
+    Scenario,
+    Trouble,
+    drawn,
+    fault_of,
+    scenario_of,
+)
 from wedmcam.simulate.state import State, check_state, read_state, state_bytes
 from wedmcam.simulate.zd065 import ZD065
 from wedmcam.targets import Entries, target_of
@@ -151,7 +159,7 @@ def simulate_program(
     run = Run(strict)
     record: Record | None = None
     try:
-        route = run("read", _read_route(data, name, machine, conditions))
+        route, opens = run("read", _read_route(data, name, machine, conditions))
         if scenario is not None:
             stated_there = run("scenario", stated_in(*_named(scenario, "scenario")))
             conditions = conditions.over(stated_there)
@@ -161,7 +169,7 @@ def simulate_program(
             else run("state", _resumed(*_named(resume, "state"), machine, route))
         )
         setup = run("enter", _entered(conditions, machine, route, state, name))
-        happens = run("enter", _scenario_of(conditions, machine, route, state))
+        happens = run("enter", _scenario_of(conditions, machine, route, state, opens))
         feeding = (
             None if servo is None else feeding_of(*servo, step_um=route.step_um, attended=False)
         )
@@ -169,6 +177,8 @@ def simulate_program(
             machine, route, happens, setup, state, stop_at_power=stop_at_power, feeder=feeding
         )
         record = run("run", ran)
+        if opens is not None and record.state.stand.step == opens.values["steps"]:
+            run.add("run", [opens])
         run.add("run", record.findings)
     except Refused:
         pass
@@ -193,13 +203,15 @@ def _fault(text: str | Fault) -> Fault:
 
 def _read_route(
     data: bytes, name: str, controller: Controller, c: Conditions
-) -> tuple[Route | None, list[Diagnostic]]:
+) -> tuple[tuple[Route, Diagnostic | None] | None, list[Diagnostic]]:
     """Return the route of a program as the controller reads it: of another format only why not.
+
+    With the route comes the limit switch into which it leads, where it does.
 
     Raises:
         WrongUse: a profile that is not built in, or of another format; entries of another machine.
     """
-    entries = Entries(switches=c.switches or Switches())
+    entries = Entries(switches=c.switches or Switches(), run_off=bool(c.run_off))
     entries.check(controller.format, controller.format)
     machine = reader_machine(data, name, None, c.profile)
     if not machine.is_of(controller.format):
@@ -207,14 +219,41 @@ def _read_route(
     # Built-in profiles: the frame of the controller, whose axes nothing exchanges.
     if not is_builtin(machine):
         raise WrongUse(f"the profile '{machine.name}' is not built in")
-    program, findings = target_of(machine).read(data, name, entries)
+    program, found = target_of(machine).read(data, name, entries)
+    opens = next((d for d in found if d.code == "limit-switch"), None)
+    findings = [d for d in found if d is not opens]
     if has_errors(findings):
-        return None, list(findings)
+        return None, [*findings, *_comes_to(data, name, controller, machine, entries)]
     route = controller.lay(program, machine.stepping)
     if not route.steps:
-        found = error("empty-program", "the program makes no step", FileSpan(name))
-        return None, [*findings, found]
-    return route, list(findings)
+        empty = error("empty-program", "the program makes no step", FileSpan(name))
+        return None, [*findings, empty]
+    return (route, opens), findings
+
+
+def _comes_to(
+    data: bytes, name: str, controller: Controller, machine: Machine, entries: Entries
+) -> list[Diagnostic]:
+    """Return how far a machine comes that reads its program while it runs, up to an error."""
+    part = data if controller.readable is None else controller.readable(data)
+    if part == data:
+        return []
+    program, findings = target_of(machine).read(part, name, entries)
+    if has_errors(findings):
+        return []
+    route = controller.lay(program, machine.stepping)
+    return [
+        note(
+            "tape-parity",
+            "the {title} reads {ahead} blocks ahead: it would run {blocks} blocks, and stop at "
+            "step {step} with TAPE",
+            FileSpan(name),
+            title=controller.title,
+            ahead=controller.answers.ahead,
+            blocks=route.blocks,
+            step=route.steps,
+        )
+    ]
 
 
 def _other_format(machine: Machine, controller: Controller, name: str) -> Diagnostic:
@@ -338,11 +377,16 @@ def _shown(value: Any) -> str:
 
 
 def _scenario_of(
-    c: Conditions, controller: Controller, route: Route, state: State | None
+    c: Conditions,
+    controller: Controller,
+    route: Route,
+    state: State | None,
+    opens: Diagnostic | None,
 ) -> tuple[Scenario, list[Diagnostic]]:
     """Return what happens, and what to say of random faults.
 
-    A run that goes on from a power cut draws what the one before drew, and has had the first ones.
+    Where the program leads into a limit switch, ``opens``, that is a fault of its own. A run that
+    goes on from a power cut draws what the one before drew, and has had the first ones.
     """
     random: tuple[Fault, ...] = ()
     if c.random is not None:
@@ -358,7 +402,11 @@ def _scenario_of(
         if passed := count - len(random):
             gone = "{passed} of {drawn} random faults happened up to step {begin}, before this run"
             findings = [note("fault-passed", gone, None, passed=passed, drawn=count, begin=begin)]
-    return scenario_of((*c.faults, *random), c.feeds), findings
+    own: tuple[Fault, ...] = ()
+    if opens is not None:
+        where = opens.values
+        own = (Fault(Trouble.LIMIT, where["steps"], switch=where["axis"], span=opens.span),)
+    return scenario_of((*c.faults, *random, *own), c.feeds), findings
 
 
 def _figures(record: Record) -> dict[str, Any]:
@@ -368,7 +416,7 @@ def _figures(record: Record) -> dict[str, Any]:
     pair: Callable[[Any], list[int]] = list
     return {
         "finished": record.finished,
-        "blocks": len(route.program.blocks),
+        "blocks": route.blocks,
         "steps": route.steps,
         "walked": record.walked,
         "pulses": record.pulses,
@@ -395,6 +443,7 @@ def _figures(record: Record) -> dict[str, Any]:
                 "time_s": round(event.time_s, 6),
                 "walked": event.walked,
                 "table_um": pair(event.table_um),
+                **({} if record.controller.lamps is None else {"lamps": list(event.lamps)}),
                 **event.more,
             }
             for event in record.events

@@ -44,6 +44,7 @@ class Conditions:
         servo: which law feeds the wire, and the seed of its gap.
         profile: a built-in one of the controller's format.
         switches: as set at an NBY-15.
+        run_off: what its corrector is not safe for is run all the same, into its limit switches.
         faults: what goes wrong.
         feeds: from which step on the feed signal has another frequency.
     """
@@ -59,6 +60,7 @@ class Conditions:
     servo: tuple[str, int] | None = None
     profile: str | None = None
     switches: Switches | None = None
+    run_off: bool | None = None
     faults: tuple[Fault, ...] = ()
     feeds: tuple[tuple[int, float], ...] = ()
 

@@ -6,13 +6,17 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from wedmcam.controllers import Stepping
 from wedmcam.ir.program import Program
 from wedmcam.simulate.route import Route, lay
 from wedmcam.simulate.scenario import Trouble
+
+if TYPE_CHECKING:
+    from wedmcam.simulate.process import Stand
 
 #: What goes wrong at every machine.
 EVERYWHERE = frozenset({Trouble.SHORT, Trouble.BREAK, Trouble.POWER})
@@ -32,8 +36,8 @@ class Answers:
         shortest: with one thread point it returns to it straight.
         servo_feed: over the path that is cut already it goes forward with a reference current.
         troubles: what goes wrong with this machine.
-        ahead: so many records of the program are read ahead of the one that is run; 0 where the
-            whole program is in memory.
+        ahead: so many blocks of the program are read ahead of the one in work; 0 where the whole
+            program is in memory.
     """
 
     retreat: int
@@ -60,6 +64,10 @@ class Controller:
         takes_feed: the feed comes from outside; else the program states its speeds.
         runs_dry: it has a dry run.
         lay: how the route of a program is laid.
+        readable: of bytes with an error, those in front of it, where the machine runs them: a tape
+            is read while it runs. None where the whole program is read first.
+        lamps: of its panel, those that are lit behind an event of a kind (`process.Incident`).
+        sentences: kind of an event -> what people read of it, where its own words differ.
     """
 
     name: str
@@ -72,3 +80,6 @@ class Controller:
     takes_feed: bool = True
     runs_dry: bool = True
     lay: Callable[[Program, Stepping], Route] = lay
+    readable: Callable[[bytes], bytes] | None = None
+    lamps: Callable[[str, Stand], tuple[str, ...]] | None = None
+    sentences: Mapping[str, str] = field(default_factory=dict)

@@ -59,7 +59,7 @@ class Stand:
         short: after a retreat the short circuit is still there.
         goes_on: the operator clears an alarm, and cuts on.
         front: number of the farthest place that the wire has come to; -1 before the run.
-        unread: the first block, 1-based, that is not read any more; None where all are.
+        unread: from which block, 1-based, on nothing is read; 0 where the program is read.
     """
 
     mode: Mode = Mode.FORWARD
@@ -69,13 +69,17 @@ class Stand:
     short: bool = False
     goes_on: bool = False
     front: int = -1
-    unread: int | None = None
+    unread: int = 0
 
     @property
     def place(self) -> int:
         """Number of the place from which the machine goes forward again."""
         back = self.mode in (Mode.RETREAT, Mode.RETURN, Mode.SHORTEST)
         return self.target if back else self.step
+
+    def ahead(self, step: int) -> Stand:
+        """Return it on its way forward from a place."""
+        return Stand(Mode.FORWARD, step, front=self.front, unread=self.unread)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,14 +135,19 @@ class Incident:
         kind: pause, thread-point, short, clear, front, alarm, clear-alarm, break, back, power-cut,
             resume, stop, start, limit, tape, no-tape, end.
         walked: how many steps were made before it, back and forth, in this run.
-        step: number of the place.
+        stand: of the process.
         more: what else there is to say of it.
     """
 
     kind: str
     walked: int
-    step: int
+    stand: Stand
     more: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def step(self) -> int:
+        """Number of the place."""
+        return self.stand.step
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,9 +305,10 @@ class _Process:
             if not self._forward_to(self._halts[-1].step):
                 return
             halt = self._halts.pop()
-            if halt.kind == "no-tape":
-                self.stand = replace(self.stand, unread=None)
             self._log(halt.kind, halt_block=halt.block)
+            if halt.kind == "no-tape":
+                self.stand = replace(self.stand, unread=0)
+                self._log("start")
         if not self._forward_to(goal):
             return
         if fault is None:
@@ -309,11 +319,16 @@ class _Process:
         if fault.trouble is Trouble.POWER:
             self._cut_power(fault)
             return
-        more = {"length": fault.length} if fault.trouble is Trouble.SHORT else {}
-        self._log(str(fault.trouble), **more)
         if fault.trouble is Trouble.TAPE:
             self._lose_tape()
-        elif fault.trouble in (Trouble.STOP, Trouble.LIMIT) or (
+            return
+        more: dict[str, Any] = {}
+        if fault.trouble is Trouble.SHORT:
+            more["length"] = fault.length
+        elif fault.switch:
+            more["switch"] = fault.switch
+        self._log(str(fault.trouble), **more)
+        if fault.trouble in (Trouble.STOP, Trouble.LIMIT) or (
             fault.trouble is Trouble.BREAK and not self.answers.returns
         ):
             self._stop(fault)
@@ -356,13 +371,19 @@ class _Process:
         self._log("start")
 
     def _lose_tape(self) -> None:
-        """Read no more: what is read ahead is run, then the operator puts the tape in again."""
-        if self.stand.unread is None:
+        """Read no more: what is read ahead is run, then the operator puts the tape in again.
+
+        Where the reader stands already, it goes on standing.
+        """
+        if not self.stand.unread:
             # The tape was read on from where the wire has come to, not from where it is.
             step = self.stand.front if self.answers.remembers else self.stand.step
-            unread = self.route.unread(step, self.answers.ahead)
-            self.stand = replace(self.stand, unread=unread)
+            halt = self.route.unread(step, self.answers.ahead)
+            if halt is not None:
+                self.stand = replace(self.stand, unread=halt.block)
             self._halts = self._halts_behind(self.stand.step)
+        unread = self.stand.unread
+        self._log("tape", **({"until": self.route.start_of(unread)} if unread else {}))
 
     def _feed(self, feeder: Feeder, goal: int) -> bool:
         """Let a servo go to a place of a stretch on which the generator is on."""
@@ -429,9 +450,10 @@ class _Process:
         """End a way back: cut on, or stop with an alarm."""
         stand = self.stand
         if stand.mode is not Mode.RETREAT:
-            self.stand = _forward(stand, stand.target)
+            self.stand = stand.ahead(stand.target)
             thread = stand.target in self.route.threads
-            block = int(self.route.rows(np.array([stand.target + 1]))[0]) + 1
+            row = int(self.route.rows(np.array([stand.target + 1]))[0])
+            block = int(self.route.records[row]) + 1
             self._log("back", where="the thread point" if thread else f"the start of block {block}")
         elif stand.short:
             self.stand = replace(stand, mode=Mode.ALARM)
@@ -439,14 +461,14 @@ class _Process:
             if stand.goes_on:
                 self._clear_alarm()
         else:
-            self.stand = _forward(stand, stand.step)
+            self.stand = stand.ahead(stand.step)
             self._log("clear")
         self._halts = self._halts_behind(self.stand.step)
 
     def _clear_alarm(self) -> None:
         if self.feeder is not None:
             self.feeder.clear()
-        self.stand = _forward(self.stand, self.stand.step)
+        self.stand = self.stand.ahead(self.stand.step)
         self._log("clear-alarm")
 
     # --- all modes ----------------------------------------------------------------------------
@@ -461,11 +483,11 @@ class _Process:
         stand, halts = self.stand, list(self.route.halts)
         if self.answers.remembers:
             step = max(step, stand.front)
-        if stand.unread is not None:
-            halts.append(Halt(self.route.start_of(stand.unread), stand.unread, "no-tape"))
+        if stand.unread:
+            halts.append(self.route.no_tape(stand.unread))
         ahead = [halt for halt in halts if halt.step > step]
         # What is not read any more stands before the halt that would be read next.
-        return sorted(ahead, key=lambda h: (h.step, h.block, h.kind != "no-tape"), reverse=True)
+        return sorted(ahead, key=lambda h: (h.step, h.block, h.kind != "no-tape"))[::-1]
 
     def _add(self, leg: Leg) -> None:
         if leg.steps:
@@ -473,9 +495,4 @@ class _Process:
             self.walked += leg.steps
 
     def _log(self, kind: str, **more: Any) -> None:
-        self.incidents.append(Incident(kind, self.walked, self.stand.step, more))
-
-
-def _forward(stand: Stand, step: int) -> Stand:
-    """Return how a machine goes forward from a place, behind whatever it did."""
-    return Stand(Mode.FORWARD, step, front=stand.front, unread=stand.unread)
+        self.incidents.append(Incident(kind, self.walked, self.stand, more))

@@ -22,11 +22,12 @@ class Event:
     Attributes:
         kind: as of `process.Incident`.
         step: number of the place on the path.
-        block: 1-based.
+        block: of the program as it is written, 1-based.
         j: the count that is left of it.
         time_s: since the start of the program.
         walked: steps made before it in this run, back and forth.
         table_um: where the table stands.
+        lamps: of its panel, those that are lit then; none where it has none.
         more: what else there is to say.
     """
 
@@ -37,6 +38,7 @@ class Event:
     time_s: float
     walked: int
     table_um: tuple[int, int]
+    lamps: tuple[str, ...] = ()
     more: Mapping[str, Any] = field(default_factory=dict)
 
 

@@ -30,8 +30,8 @@ class Halt(NamedTuple):
 
     Attributes:
         step: number of the place.
-        block: 1-based.
-        kind: pause, thread-point; no-tape: no more of the program is read.
+        block: of the program, 1-based.
+        kind: pause, thread-point; no-tape: from this block on nothing is read.
     """
 
     step: int
@@ -48,7 +48,8 @@ class Reading(NamedTuple):
     """What the controller holds and shows at a place.
 
     Attributes:
-        block: 1-based, of the last step; of the first block that steps at the start.
+        block: of the program as it is written, 1-based: that of the last step; at the start, of the
+            first block that steps.
         x, y: steps, from the start of a line, from the centre of an arc.
         f: the deviation F.
         j: the count that is left.
@@ -66,13 +67,15 @@ class Route:
     """Every step of a program.
 
     Attributes:
-        program: up to its end: blocks behind a stop are never run.
+        program: what the interpolator runs, up to its end: blocks behind a stop are never run.
         place: of the steps 0 to n, shape (n + 1, 2), steps from the start of the program.
         first: of each block, the number of the place at which it begins.
         axis: of the steps 1 to n, `Axis`; entry k - 1 is step k.
         sign: likewise, +1 or -1.
         halts: pauses and thread points, in their order.
-        records: of each block, which record of the program it was made of, ascending.
+        records: of each block that is run, which block of the program as it is written it was
+            made of, from 0, ascending: a block of a tape is many lines. People see these.
+        blocks: how many blocks of the program as it is written are run; the next one ends it.
         by_steps: J counts the steps that are left of a block, whatever its count says.
         seconds: of the steps 1 to n, how long each takes where the program says so, s.
     """
@@ -84,6 +87,7 @@ class Route:
     sign: NDArray[np.int8]
     halts: tuple[Halt, ...]
     records: Ints
+    blocks: int
     by_steps: bool = False
     seconds: NDArray[np.float64] | None = None
 
@@ -169,31 +173,37 @@ class Route:
             j = self.lengths[rows] - (steps - self.first[rows])
         else:
             j = blocks["count"] - (self.counted[steps] - self.counted[self.first[rows]])
-        return rows + 1, x, y, np.where(arc, of_arc, of_line), j
+        return self.records[rows] + 1, x, y, np.where(arc, of_arc, of_line), j
 
     def reading(self, step: int) -> Reading:
         """Return what the controller holds at one place."""
         return Reading(*(int(column[0]) for column in self.readings(np.array([step]))))
 
-    def unread(self, step: int, ahead: int) -> int | None:
-        """Return the first block that is not read if from a place on no more of the program is.
+    def unread(self, step: int, ahead: int) -> Halt | None:
+        """Return where the machine stops if from a place on no more of the program is read.
 
         Args:
-            step: number of the place.
-            ahead: how many records are read ahead of the one that is run.
+            step: number of the place; at the end of a block the next one is in work already.
+            ahead: how many blocks, as written, are read ahead of the one in work; the one that
+                ends the program is one of them.
 
         Returns:
-            1-based; None where the rest was read already.
+            None where the rest was read already.
         """
-        if step >= self.steps:
+        if step == self.steps:
             return None
         row = int(self.rows(np.array([step + 1]))[0])
-        first = int(np.searchsorted(self.records, self.records[row] + ahead, side="right"))
-        return None if first == len(self.records) else first + 1
+        first = int(self.records[row]) + ahead + 1
+        return None if first > self.blocks else self.no_tape(first + 1)
+
+    def no_tape(self, block: int) -> Halt:
+        """Return where the machine stops if nothing is read from a block, 1-based, on."""
+        return Halt(self.start_of(block), block, "no-tape")
 
     def start_of(self, block: int) -> int:
-        """Return the number of the place at which a block, 1-based, begins."""
-        return int(self.first[block - 1])
+        """Return the number of the place at which a block of the program, 1-based, begins."""
+        row = int(np.searchsorted(self.records, block - 1, side="left"))
+        return self.steps if row == len(self.first) else int(self.first[row])
 
 
 def lay(program: Program, stepping: Stepping, records: Ints | None = None) -> Route:
@@ -203,7 +213,8 @@ def lay(program: Program, stepping: Stepping, records: Ints | None = None) -> Ro
         program: in the frame of the controller. A pause behind a move is a thread point, as the
             readers of the compact format say.
         stepping: of the controller.
-        records: of each block, which record it was made of; None for each of its own.
+        records: of each block, which one as written it was made of, from 0; None where these are
+            those that are written.
     """
     kinds = program.blocks["kind"]
     ends = np.flatnonzero(np.isin(kinds, _ENDS))
@@ -216,8 +227,12 @@ def lay(program: Program, stepping: Stepping, records: Ints | None = None) -> Ro
     thread = (kinds == Kind.THREAD) | ((kinds == Kind.PAUSE) & behind_move)
     rows = np.flatnonzero(thread | (kinds == Kind.PAUSE))
     kinds_of = {True: "thread-point", False: "pause"}
-    halts = tuple(Halt(int(first[i]), i + 1, kinds_of[bool(thread[i])]) for i in rows.tolist())
-    records = np.arange(len(blocks)) if records is None else records[: len(blocks)]
+    every = np.arange(len(program.blocks)) if records is None else records
+    records = every[: len(blocks)]
+    last = int(every[-1]) + 1 if len(every) else 0
+    halts = tuple(
+        Halt(int(first[i]), int(records[i]) + 1, kinds_of[bool(thread[i])]) for i in rows.tolist()
+    )
     whole = Program(
         blocks.copy(),
         program.origin,
@@ -226,4 +241,5 @@ def lay(program: Program, stepping: Stepping, records: Ints | None = None) -> Ro
         step_um=program.step_um,
     )
     sign = step.sum(axis=1).astype(np.int8)
-    return Route(whole, place, first, axis, sign, halts, records)
+    run = int(every[ends[0]]) if len(ends) else last
+    return Route(whole, place, first, axis, sign, halts, records, run)

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wedmcam.diag import Diagnostic, error, warning
+from wedmcam.diag import Diagnostic, Place, error, warning
 from wedmcam.simulate.axis import AxisState, part_taken
 from wedmcam.simulate.checks import check_scenario
 from wedmcam.simulate.controller import Controller
@@ -68,7 +68,7 @@ def run(
     wrong = check_scenario(scenario, route, controller, setup, begin)
     if wrong:
         return None, wrong
-    tally = _Tally(route, setup)
+    tally = _Tally(controller, route, setup)
     if state is not None:
         tally.resume(state)
     sessions, faults = [], scenario.faults
@@ -101,8 +101,8 @@ def run(
 class _Tally:
     """Counts what the machine does, and turns incidents into events: with time, table and J."""
 
-    def __init__(self, route: Route, setup: Setup) -> None:
-        self.route, self.setup = route, setup
+    def __init__(self, controller: Controller, route: Route, setup: Setup) -> None:
+        self.controller, self.route, self.setup = controller, route, setup
         self.events: list[Event] = []
         self.walked = self.pulses = 0
         self.off = (0, 0)
@@ -147,11 +147,11 @@ class _Tally:
 
     def resume(self, state: State) -> None:
         """Take over that the machine goes on from a state."""
-        again = Incident("resume", 0, state.stand.step)
+        again = Incident("resume", 0, state.stand)
         self._add(again, state.reading, state.time_s, table_of(state.axes, self.setup))
 
     def _add(self, one: Incident, reading: Reading, time_s: float, table: tuple[int, int]) -> None:
-        walked = self.walked + one.walked
+        walked, lamps = self.walked + one.walked, self.controller.lamps
         self.events.append(
             Event(
                 one.kind,
@@ -161,6 +161,7 @@ class _Tally:
                 time_s,
                 walked,
                 in_um(self.route, table),
+                () if lamps is None else lamps(one.kind, one.stand),
                 one.more,
             )
         )
@@ -209,9 +210,19 @@ def _alarm(record: Record) -> list[Diagnostic]:
     """Return why a run ended with an alarm."""
     stand, block = record.state.stand, record.state.reading.block
     if not stand.short:
-        switch = "a limit switch stopped the machine at step {step}, block {block}"
-        hint = "see to the machine; then it goes on from its state"
-        return [error("alarm", switch, None, hint=hint, step=stand.step, block=block)]
+        where = Place.of_um(*record.final_um)
+        return [
+            error(
+                "alarm",
+                "a limit switch stopped the machine at step {step}, block {block}, at {place} from "
+                "the start",
+                None,
+                hint="see to the machine; then it goes on from its state",
+                step=stand.step,
+                block=block,
+                place=where,
+            )
+        ]
     text = (
         "the machine stopped with an alarm at step {step}, block {block}: the short circuit is "
         "still there{back}"

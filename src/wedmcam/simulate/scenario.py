@@ -53,6 +53,7 @@ class Fault:
         pulses: of a power cut: how many steps of the take-up before the next step are made.
         cut_after: steps of the way back after which the power fails too; None where it does not.
         goes_on: after an alarm the operator clears the fault and cuts on.
+        switch: of a limit switch, which one, as in "-X"; empty where it is not stated.
         span: where it was stated.
     """
 
@@ -63,6 +64,7 @@ class Fault:
     pulses: int = 0
     cut_after: int | None = None
     goes_on: bool = False
+    switch: str = ""
     span: Span | None = None
 
     def __str__(self) -> str:

@@ -116,7 +116,7 @@ _FIELDS: dict[str, Callable[[Any], bool]] = {
     "short": lambda v: isinstance(v, bool),
     "goes_on": lambda v: isinstance(v, bool),
     "front": _whole(-1),
-    "unread": lambda v: v is None or _whole(1)(v),
+    "unread": _whole(0),
     "block": _whole(1),
     "x": _whole(-_MOST),
     "y": _whole(-_MOST),
@@ -193,12 +193,11 @@ def check_state(
         return [
             error("bad-state", front, span, front=stand.front, step=stand.step, steps=route.steps)
         ]
-    if stand.unread is not None and not (
-        stand.unread <= len(route.first) and stand.step <= route.start_of(stand.unread)
-    ):
-        read = "unread is block {unread}: step {step} lies behind its start"
+    block = stand.unread
+    if block and (block > route.blocks + 1 or route.start_of(block) <= stand.front):
+        unread = "unread is {block}: no block that begins behind step {front}"
         span = _span(text, "unread", name)
-        return [error("bad-state", read, span, unread=stand.unread, step=stand.step)]
+        return [error("bad-state", unread, span, block=block, front=stand.front)]
     if target > stand.step or (back and stand.made > steps_back(route, stand)):
         far = "no way back from step {step} ends at {target}"
         span = _span(text, "target", name)

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from wedmcam.controllers.nby15.base_circle import arc_limit_um, sagitta_um
 from wedmcam.controllers.nby15.corrector import Correction, correction
 from wedmcam.controllers.nby15.data import TapeProgram, radii
-from wedmcam.controllers.nby15.run_off import run_off
-from wedmcam.diag import Diagnostic, Place, Severity, Span, error, note
+from wedmcam.controllers.nby15.run_off import RunOff, run_off
+from wedmcam.diag import Diagnostic, Place, Severity, Span, error, has_errors, note
 from wedmcam.ir.plan import Plan
 from wedmcam.ir.program import Kind, Program
 from wedmcam.machines import Machine
@@ -77,8 +77,8 @@ class Nby15(Stated):
     ) -> tuple[Program, Sequence[Diagnostic]]:
         """See `Target`."""
         program, findings = self._decoded(data, file, switches=entries.switches)
-        if entries.switches.correct_um and isinstance(program, TapeProgram):
-            program, more = _corrected(program, entries, self.machine)
+        if isinstance(program, TapeProgram) and not has_errors(findings):
+            program, more = _switched(program, entries, self.machine)
             findings = [*findings, *more]
         return program, findings
 
@@ -160,44 +160,120 @@ def _said(c: Correction, span: Span | None) -> Diagnostic:
     return note("radius-corrector", radius, span, most_um=c.most_um, block=block)
 
 
-def _corrected(
+def _switched(
     program: TapeProgram, entries: Entries, machine: Machine
 ) -> tuple[Program, list[Diagnostic]]:
-    """Return what the machine runs with its corrector set, and whether that is safe."""
-    correct, c = entries.switches.correct_um, correction(program.tape)
-    if abs(correct) <= c.most_um:
-        return program, []
-    row = c.block
-    span = None
-    if row is not None and (program.of == row).any():
-        span = program.spans[int(np.argmax(program.of == row))]
-    severity = Severity.WARNING if entries.run_off else Severity.ERROR
-    hint = "" if entries.run_off else "--run-off shows what the machine does then"
-    unsafe = replace(_said(c, span), severity=severity).extended(
-        "; it is set to {correct_um:+} um", hint=hint, correct_um=correct
-    )
-    findings = [unsafe]
+    """Return what the machine runs with its switches as set, and whether that is safe.
+
+    With ``run_off`` it is run all the same: up to the limit switch that opens.
+    """
+    unsafe = [*_unsafe(program, entries), *_too_large(program, entries, machine)]
+    # What is unsafe runs off, and is longer than the travel for that.
+    beyond = [] if unsafe else _beyond(program, machine)
+    if not entries.run_off:
+        hint = "--run-off shows what the machine does then"
+        return program, [d if d.hint else d.with_hint(hint) for d in (*unsafe, *beyond)]
+    findings = [replace(d, severity=Severity.WARNING) for d in unsafe]
     travel = machine.limits.travel_um
-    gone = run_off(program.blocks, travel) if entries.run_off and travel is not None else None
+    gone = run_off(program.blocks, travel) if (unsafe or beyond) and travel is not None else None
     if gone is None:
         return program, findings
+    behind = gone.row + 1
+    run = replace(
+        program,
+        blocks=program.blocks[:behind],
+        spans=program.spans[:behind],
+        of=program.of[:behind],
+    )
+    return run, [*findings, _opens(program, entries, gone)]
+
+
+def _unsafe(program: TapeProgram, entries: Entries) -> list[Diagnostic]:
+    """Return an error where the corrector is set to more than is safe."""
+    correct = entries.switches.correct_um
+    if not correct:
+        return []
+    c = correction(program.tape)
+    if abs(correct) <= c.most_um:
+        return []
+    span = None if c.block is None else _span_of(program, c.block)
+    said = replace(_said(c, span), severity=Severity.ERROR)
+    return [said.extended("; it is set to {correct_um:+} um", correct_um=correct)]
+
+
+def _too_large(program: TapeProgram, entries: Entries, machine: Machine) -> list[Diagnostic]:
+    """Return an error where the scale makes a radius larger than the machine's."""
+    radius, most = program.tape["radius"] * entries.switches.scale, machine.limits.arc_um
+    if entries.switches.scale == 1 or not (radius > most).any():
+        return []
+    row = int(np.argmax(radius))
+    return [
+        error(
+            "over-limit",
+            "block {block}: the radius is {radius_mm:.3f} mm at scale {scale}, the largest is "
+            "{most_mm:.3f} mm",
+            _span_of(program, row),
+            block=row + 1,
+            radius_mm=int(radius[row]) / 1000,
+            scale=entries.switches.scale,
+            most_mm=most / 1000,
+        )
+    ]
+
+
+def _beyond(program: TapeProgram, machine: Machine) -> list[Diagnostic]:
+    """Return an error for each axis along which the path is longer than the travel."""
+    limit, blocks = machine.limits.travel_um, program.blocks
+    if limit is None:
+        return []
+    out = []
+    moving = blocks["kind"] <= Kind.MOVE
+    for axis, most in zip("XY", limit, strict=True):
+        at = np.concatenate([[0], np.cumsum(np.where(moving, blocks[axis.lower()], 0))])
+        size = np.maximum.accumulate(at) - np.minimum.accumulate(at)
+        if size[-1] <= most:
+            continue
+        row = int(np.argmax(size > most)) - 1
+        out.append(
+            error(
+                "over-travel",
+                "block {block}: the program goes {length_mm:.3f} mm along {axis}; the table of "
+                "{machine} goes {most_mm:.3f} mm",
+                program.spans[row] if len(program.spans) else None,
+                block=int(program.of[row]) + 1,
+                length_mm=int(size[-1]) / 1000,
+                axis=axis,
+                machine=machine.name,
+                most_mm=most / 1000,
+            )
+        )
+    return out
+
+
+def _opens(program: TapeProgram, entries: Entries, gone: RunOff) -> Diagnostic:
+    """Return an error: where a limit switch opens."""
     block = int(program.of[gone.row])
     radius = int(radii(program.tape, entries.switches)[block])
-    findings.append(
-        error(
-            "limit-switch",
-            "block {block}, turned about R {radius_mm:.3f} mm, runs off: the limit switch of "
-            "{axis} opens at {place} from the start, after {steps} steps",
-            program.spans[gone.row],
-            points_mm=(Place.of_um(gone.x, gone.y),),
-            block=block + 1,
-            radius_mm=radius / 1000,
-            axis=f"{'+' if gone.sign > 0 else '-'}{gone.axis}",
-            place=Place.of_um(gone.x, gone.y),
-            steps=gone.steps,
-        )
+    about = ", turned about R {radius_mm:.3f} mm," if radius else ""
+    where = Place.of_um(gone.x, gone.y)
+    return error(
+        "limit-switch",
+        "block {block}" + about + " runs off: the limit switch of {axis} opens at {place} from "
+        "the start, after {steps} steps",
+        program.spans[gone.row] if len(program.spans) else None,
+        points_mm=(where,),
+        block=block + 1,
+        **({"radius_mm": radius / 1000} if radius else {}),
+        axis=f"{'+' if gone.sign > 0 else '-'}{gone.axis}",
+        place=where,
+        steps=gone.steps,
     )
-    return program, findings
+
+
+def _span_of(program: TapeProgram, row: int) -> Span | None:
+    """Return where a block of the tape stands in its file."""
+    lines = np.flatnonzero(program.of == row)
+    return program.spans[int(lines[0])] if len(lines) and len(program.spans) else None
 
 
 def _correctable(program: TapeProgram) -> list[Diagnostic]:

@@ -85,10 +85,12 @@ def _stated(params: dict[str, Any], scenario: bytes | None) -> dict[str, Any]:
         name: params[name]
         for name in ("backlash", "play", "approach", "true_approach", "dry_ms", "return_ms")
     }
+    switches, run_off = switches_in(params)
     return {
         **stated,
         "profile": params["profile"],
-        "switches": switches_in(params)[0],
+        "switches": switches,
+        "run_off": run_off,
         # A step is 1 um.
         "feed": None if (feed := _feed(params["feed_um"], scenario)) is None else feed / 60,
         "random": None if count is None else (count, seed or 0),

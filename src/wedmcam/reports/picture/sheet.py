@@ -29,6 +29,8 @@ Point = tuple[float, float]
 Box = tuple[float, float, float, float]
 
 INK = "#1f2933"
+#: The library that draws PNG does not know what a bare sans-serif is: fonts are named.
+FONT = "Helvetica, Arial, DejaVu Sans, sans-serif"
 GREY = "#7b8794"
 
 
@@ -283,7 +285,7 @@ class Sheet:
         out = [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{paper[0]}" height="{paper[1]}" '
-            f'viewBox="0 0 {w} {h}" font-family="Helvetica, Arial, DejaVu Sans, sans-serif">',
+            f'viewBox="0 0 {w} {h}" font-family="{FONT}">',
             f"<title>{words(self.title)}</title>",
             f"<desc>{words(description)}</desc>",
             "<style>.halo{paint-order:stroke;stroke:#fff;stroke-width:3px;"

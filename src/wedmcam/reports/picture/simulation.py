@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wedmcam.reports.picture.curves import Points, Samples, Trail, polyline, stretches
 from wedmcam.reports.picture.page import page
-from wedmcam.reports.picture.sheet import GREY, INK, nice, number, words
+from wedmcam.reports.picture.sheet import FONT, GREY, INK, nice, number, words
 from wedmcam.simulate.motion import Motion
 from wedmcam.simulate.process import WAYS, Way
 from wedmcam.simulate.record import Event, Record, table_of
@@ -50,7 +50,7 @@ STYLES = {
     Way.SERVO_FEED: ("#0891b2", 2.0, "forward with a reference current"),
 }
 #: Events that are marked.
-MARKED = ("short", "alarm", "break", "power-cut")
+MARKED = ("short", "alarm", "break", "power-cut", "stop", "limit", "tape", "no-tape")
 #: So many of them are marked at most, and so many have a number on the path.
 MARKS = 1000
 NUMBERS = 60
@@ -64,8 +64,7 @@ def plot_run(record: Record, title: str = "") -> str:
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="1123" height="794" '
         f'viewBox="0 0 {number(WIDTH)} {number(HEIGHT)}" '
-        'font-family="Helvetica, Arial, DejaVu Sans, sans-serif" '
-        f'fill="{INK}" font-size="13">',
+        f'font-family="{FONT}" fill="{INK}" font-size="13">',
         f'<rect width="{number(WIDTH)}" height="{number(HEIGHT)}" fill="#fff"/>',
         f'<text x="44" y="38" font-size="22" font-weight="bold">{words(title)}</text>',
         f'<text x="1160" y="38" text-anchor="end">{words(_facts(record))}</text>',
@@ -110,7 +109,8 @@ def _window(record: Record) -> tuple[float, float] | None:
     if not kinds:
         return None
     first = kinds[0]
-    ends = ("clear", "alarm", "back")
+    feeds_again = record.controller.answers.servo_feed
+    ends = ("front" if feeds_again else "clear", "alarm", "back")
     back = next((one for one in events if one.kind in ends and one.walked > first.walked), None)
     around = AROUND / record.setup.feed
     until = record.state.time_s if back is None else back.time_s

@@ -10,7 +10,7 @@ from __future__ import annotations
 from xml.sax.saxutils import escape
 
 from wedmcam.formats import tape
-from wedmcam.reports.picture.sheet import GREY, INK
+from wedmcam.reports.picture.sheet import FONT, GREY, INK
 
 #: Rows in one strip, and units between rows and channels (10 a row: 2.54 mm on paper at 3.94).
 ROWS = 72
@@ -29,7 +29,7 @@ def tape_picture(data: bytes, title: str) -> str:
     total_h = 54.0 + len(strips) * (height + GAP)
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total_w:g} {total_h:g}" '
-        f'width="{total_w:g}" height="{total_h:g}" font-family="sans-serif" fill="{INK}">',
+        f'width="{total_w:g}" height="{total_h:g}" font-family="{FONT}" fill="{INK}">',
         f'<rect width="{total_w:g}" height="{total_h:g}" fill="#fff"/>',
         f'<text x="{EDGE:g}" y="26" font-size="16">{escape(title)}</text>',
         f'<text x="{EDGE:g}" y="43" font-size="11" fill="{GREY}">{len(data)} rows, '

@@ -328,6 +328,12 @@ def saved():
     return run.state
 
 
+def test_a_state_with_a_byte_that_is_no_character_is_damaged():
+    state, findings = read_state(saved().replace(b'"zd065"', b'"zd0\x805"'), "a.state")
+    assert state is None
+    assert "the state is damaged" in findings[0].message
+
+
 @settings(max_examples=150)
 @given(st.data())
 def test_a_damaged_state_is_a_finding_with_its_place(data):

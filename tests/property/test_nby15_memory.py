@@ -197,7 +197,7 @@ def test_a_second_short_circuit_finds_what_is_left_of_the_memory():
 def test_the_memory_holds_less_at_the_start_and_behind_a_thread_point(step, length, held):
     route = route_of([("line", 1000, 0), ("move", 600, 500), ("pause",), ("line", 900, 0)])
     assert last_thread(route, 2170) == 2100
-    for long, end in ((length, "alarm"), (held, "clear")):
+    for long, end in ((held + 1, "alarm"), (held, "clear")):
         record, _ = run(NBY15, route, scenario_of([Fault(Trouble.SHORT, step, length=long)]), SETUP)
         event = next(e for e in record.events if e.kind == end)
         assert event.step == step - held

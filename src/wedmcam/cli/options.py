@@ -122,7 +122,7 @@ _SWITCHES = (
     click.option(
         "--run-off",
         is_flag=True,
-        help="Run what the corrector is not safe for all the same, into the limit switches.",
+        help="Run what corrector or scale are not safe for all the same, into the limit switches.",
     ),
 )
 switch_options = _stack(*_SWITCHES)

@@ -1223,7 +1223,8 @@ CODES: dict[str, Code] = {
     "limit-switch": Code(
         "The simulated machine ran into a limit switch.",
         "The wire leaves the part, and cuts what is in its way.",
-        "Set the radius corrector to no more than is safe for the tape.",
+        "Set the radius corrector to no more than is safe for the tape, and the scale so that the "
+        "path keeps within the travel.",
     ),
     # --- files and the command line --------------------------------------------------------
     "certificate-differs": Code(

@@ -211,13 +211,16 @@ def _alarm(record: Record) -> list[Diagnostic]:
     stand, block = record.state.stand, record.state.reading.block
     if not stand.short:
         where = Place.of_um(*record.final_um)
+        # What the program itself leads into, it leads into again.
+        own = record.events[-1].more.get("switch")
+        hint = "set the switches so that the program keeps within the travel of the table"
         return [
             error(
                 "alarm",
                 "a limit switch stopped the machine at step {step}, block {block}, at {place} from "
                 "the start",
                 None,
-                hint="see to the machine; then it goes on from its state",
+                hint=hint if own else "see to the machine; then it goes on from its state",
                 step=stand.step,
                 block=block,
                 place=where,

@@ -20,7 +20,7 @@ from wedmcam.cli.settings import Configured
 @click.option(
     "--to",
     metavar="FORMAT",
-    help="3b (default), compact, rotation, compensation, iso, 4b or dem15.",
+    help="3b (default), compact, rotation, compensation, iso, 4b, nby15 or dem15.",
 )
 @click.option("--jobs", type=click.IntRange(0, 256), default=0, help="Processes; 0: one a core.")
 @click.option("--force-units", is_flag=True, help="--units overrides what drawings say.")

@@ -15,7 +15,7 @@ from wedmcam.cli.settings import Configured
 @click.option(
     "--to",
     metavar="FORMAT",
-    help="3b (default), compact, rotation, compensation, iso, 4b or dem15.",
+    help="3b (default), compact, rotation, compensation, iso, 4b, nby15 or dem15.",
 )
 @click.option(
     "--plot", "plot_", metavar="FILE.svg|png|html", help="Draw the verified program there."

@@ -22,8 +22,8 @@ from wedmcam.cli.settings import Configured
 @click.option(
     "--to",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation, iso, 4b, dem15, or dxf (the stepped path); by "
-    "default from the output's name. Several (3b,iso): NAME with the ending of each.",
+    help="3b, compact, rotation, compensation, iso, 4b, nby15, dem15, or dxf (the stepped path); "
+    "by default from the output's name. Several (3b,iso): NAME with the ending of each.",
 )
 @ask.compile_options
 @click.option(

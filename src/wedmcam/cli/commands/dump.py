@@ -16,7 +16,7 @@ from wedmcam.cli.settings import ReadsPrograms
     "--format",
     "format_",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation, iso, 4b, dem15; else by name, content.",
+    help="3b, compact, rotation, compensation, iso, 4b, nby15, dem15; else by name, content.",
 )
 @ask.machine_options
 @ask.d_option

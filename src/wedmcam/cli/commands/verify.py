@@ -18,7 +18,7 @@ from wedmcam.cli.settings import Configured
     "--format",
     "format_",
     metavar="FORMAT",
-    help="3b, compact, rotation, compensation, iso, 4b, dem15; else by name, content.",
+    help="3b, compact, rotation, compensation, iso, 4b, nby15, dem15; else by name, content.",
 )
 @click.option("--origin", type=POINT, help="Where the program starts in the drawing, X,Y in mm.")
 @click.option(

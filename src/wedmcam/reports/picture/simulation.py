@@ -39,6 +39,8 @@ APART = 0.3
 #: At most so many shortest ways back are drawn; more than so many are thin.
 STRAIGHT, MANY = 200, 20
 PAD = 30.0
+#: Average advance of a letter of the legend.
+LETTER = 6.7
 
 #: Kind of a way -> colour and width of its line, and what the legend calls it.
 STYLES = {
@@ -351,28 +353,31 @@ def _count(
 
 
 def _legend(record: Record) -> list[str]:
-    """Return what the colours mean, as far as they are used."""
+    """Return what the colours mean, as far as they are used, in one row."""
     used = {leg.way for session in record.sessions for leg in session.legs}
-    out, x, y = [], 44.0, 816.0
+    rows: list[tuple[str, str]] = []  # a symbol as SVG, from the left end of the row; a text
     for way, (colour, width, name) in STYLES.items():
         if way in used:
-            out.append(
-                f'<path d="M{number(x)} {number(y - 4)}h26" stroke="{colour}" '
-                f'stroke-width="{number(width)}"/><text x="{number(x + 32)}" y="{number(y)}">'
-                f"{name}</text>"
-            )
-            x += 60 + 7.2 * len(name)
+            stroke = f'stroke="{colour}" stroke-width="{number(width)}"'
+            rows.append((f'<path d="M0 -4h26" {stroke}/>', name))
     if numbered(record.events):
-        text = "numbers: events of the report"
-        out += _mark(x + 8, y - 4, None)
-        out.append(f'<text x="{number(x + 20)}" y="{number(y)}">{text}</text>')
-        x += 60 + 7.2 * len(text)
-    out.append(f'<text x="{number(x)}" y="{number(y)}">+ thread point</text>')
+        rows.append(("".join(_mark(13, -4, None)), "numbers: events of the report"))
+    rows.append((f'<path d="M8 -4h10M13 -9v10" stroke="{INK}"/>', "thread point"))
+    left, right = 44.0, 1160.0
+    wide = [32 + LETTER * len(text) for _, text in rows]
+    gap = min(28.0, (right - left - sum(wide)) / max(len(rows) - 1, 1))
+    out, x = [], left
+    for (symbol, text), width in zip(rows, wide, strict=True):
+        out.append(
+            f'<g transform="translate({number(x)} 816)">{symbol}<text x="32">{text}</text></g>'
+        )
+        x += width + gap
     return out
 
 
 def plot_run_html(record: Record, title: str = "") -> str:
     """Return a page with the picture of `plot_run` and a table of the events."""
+    panel = record.controller.lamps is not None
     rows = [
         (
             str(n),
@@ -381,8 +386,9 @@ def plot_run_html(record: Record, title: str = "") -> str:
             str(event.j),
             str(event.block),
             str(event.step),
+            *([" + ".join(event.lamps)] if panel else []),
         )
         for n, event in enumerate(record.events, 1)
     ]
-    head = ("", "time", "event", "J", "block", "step")
+    head = ("", "time", "event", "J", "block", "step", *(["lamps"] if panel else []))
     return page(plot_run(record, title), title=title, head=head, rows=rows)

@@ -4,6 +4,7 @@ import vector_errors
 from page_commands import ROOT, run_page
 
 REFUSED = {
+    "wedmcam simulate key.d15 --controller dem15 --resume key.state --fault limit@9000": 1,
     "wedmcam check samples/plate.dxf --offset 0.1 --to dem15": 1,
     "printf 'UM\\n0 0 400 0 255 150 64\\nE\\n' > current.d15; wedmcam dump current.d15": 1,
     "wedmcam convert key.3b -o other.d15": 1,

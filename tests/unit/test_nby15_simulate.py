@@ -10,7 +10,6 @@ from wedmcam.formats.tape import punched
 from wedmcam.simulate.nby15 import GOES, STANDS, Lamp
 from wedmcam.simulate.scenario import Fault, Trouble
 from wedmcam.simulate.state import read_state, state_bytes
-from wedmcam.targets import Entries
 
 START, STOP = "PROGRAMME START", "PROGRAMME STOP"
 #: Two paths, the second one behind a thread point; 3 pauses the first one.
@@ -20,8 +19,8 @@ TAPE = punched(
 )
 
 
-def ran(data=TAPE, entries=None, **more):
-    return simulate_program(data, controller="nby15", name="a.n15", entries=entries, **more)
+def ran(data=TAPE, **more):
+    return simulate_program(data, controller="nby15", name="a.n15", **more)
 
 
 def events(result):
@@ -33,7 +32,8 @@ def codes(result):
 
 
 def entered(correct=0, scale=1, run_off=False, mirror=""):
-    return Entries(switches=Switches(correct, scale, "x" in mirror, "y" in mirror), run_off=run_off)
+    switches = Switches(correct, scale, "x" in mirror, "y" in mirror)
+    return {"switches": switches, "run_off": run_off}
 
 
 # --- what people see ----------------------------------------------------------------------------
@@ -188,9 +188,9 @@ def test_a_tape_with_a_bad_row_says_how_far_the_machine_would_come():
 
 def test_beyond_what_is_safe_nothing_runs_unless_it_shall_run_off():
     circle = punched("N1G03A0B360R400\nN2M02\n")
-    assert codes(ran(circle, entered(-401))) == ["error[radius-corrector]"]
-    assert ran(circle, entered(-401)).record is None
-    result = ran(circle, entered(-401, run_off=True))
+    assert codes(ran(circle, **entered(-401))) == ["error[radius-corrector]"]
+    assert ran(circle, **entered(-401)).record is None
+    result = ran(circle, **entered(-401, run_off=True))
     assert codes(result) == [
         "warning[radius-corrector]",
         "error[limit-switch]",
@@ -208,13 +208,13 @@ def test_beyond_what_is_safe_nothing_runs_unless_it_shall_run_off():
     assert opens.message.startswith("block 1, turned about R 999.999 mm, runs off")
     # What lies behind is never run.
     assert result.summary["steps"] - event["step"] < 20_000
-    again = ran(circle, entered(-401, run_off=True), resume=("a.state", result.state))
+    again = ran(circle, **entered(-401, run_off=True), resume=("a.state", result.state))
     assert events(again) == [(kind, event["step"]) for kind in ("resume", "clear-alarm", "limit")]
 
 
 def test_an_alarm_before_the_limit_switch_is_what_is_said():
     circle = punched("N1G03A0B360R400\nN2M02\n")
-    result = ran(circle, entered(-401, run_off=True), faults=["short@500:300"])
+    result = ran(circle, **entered(-401, run_off=True), faults=["short@500:300"])
     assert codes(result) == ["warning[radius-corrector]", "error[alarm]"]
     assert "short circuit is still there" in result.findings[1].message
 
@@ -231,14 +231,14 @@ def test_an_alarm_before_the_limit_switch_is_what_is_said():
 )
 def test_what_leads_out_of_the_machine(text, scale, code, said):
     data = punched(f"{text}M02\n")
-    result = ran(data, entered(scale=scale))
+    result = ran(data, **entered(scale=scale))
     assert codes(result) == ([f"error[{code}]"] if code else [])
     assert result.ok is (code is None)
     if code:
         assert said in result.findings[0].message
         assert result.findings[0].hint == "--run-off shows what the machine does then"
         assert result.findings[0].span is not None
-    off = ran(data, entered(scale=scale, run_off=True))
+    off = ran(data, **entered(scale=scale, run_off=True))
     if code == "over-travel":  # from the middle of the travel
         assert codes(off) == ["error[limit-switch]", "error[alarm]"]
         assert max(abs(um) for um in off.summary["events"][0]["table_um"]) in (150_000, 200_000)
@@ -251,7 +251,7 @@ def test_what_leads_out_of_the_machine(text, scale, code, said):
 
 def test_scale_and_directions():
     plain = ran().summary
-    turned = ran(entries=entered(scale=2, mirror="y")).summary
+    turned = ran(**entered(scale=2, mirror="y")).summary
     x, y = plain["final_um"]
     assert turned["final_um"] == pytest.approx([2 * x, -2 * y], abs=2)
     assert turned["steps"] == pytest.approx(2 * plain["steps"], abs=10)

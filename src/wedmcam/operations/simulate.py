@@ -177,9 +177,8 @@ def simulate_program(
             machine, route, happens, setup, state, stop_at_power=stop_at_power, feeder=feeding
         )
         record = run("run", ran)
-        if opens is not None and record.state.stand.step == opens.values["steps"]:
-            run.add("run", [opens])
-        run.add("run", record.findings)
+        came_there = opens is not None and record.state.stand.step == opens.values["steps"]
+        run.add("run", [*([opens] if came_there and opens else []), *record.findings])
     except Refused:
         pass
     cut = stop_at_power and record is not None and _ended_by_power(record)
@@ -414,6 +413,7 @@ def _figures(record: Record) -> dict[str, Any]:
     x, y = record.state.axes
     setup, route = record.setup, record.route
     pair: Callable[[Any], list[int]] = list
+    outputs = record.controller.outputs
     return {
         "finished": record.finished,
         "blocks": route.blocks,
@@ -444,6 +444,7 @@ def _figures(record: Record) -> dict[str, Any]:
                 "walked": event.walked,
                 "table_um": pair(event.table_um),
                 **({} if record.controller.lamps is None else {"lamps": list(event.lamps)}),
+                **({"ports": dict(ports)} if (ports := outputs.get(event.kind)) else {}),
                 **event.more,
             }
             for event in record.events

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from wedmcam.controllers import Stepping
 from wedmcam.ir.program import Program
@@ -68,6 +71,9 @@ class Controller:
             is read while it runs. None where the whole program is read first.
         lamps: of its panel, those that are lit behind an event of a kind (`process.Incident`).
         sentences: kind of an event -> what people read of it, where its own words differ.
+        outputs: kind of an event -> address and word of its ports then, where they are known.
+        drive: address of the port that drives the motors, and its words, of axis, sign, and whether
+            the generator is on; None where a ring distributor drives them.
     """
 
     name: str
@@ -83,3 +89,5 @@ class Controller:
     readable: Callable[[bytes], bytes] | None = None
     lamps: Callable[[str, Stand], tuple[str, ...]] | None = None
     sentences: Mapping[str, str] = field(default_factory=dict)
+    outputs: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    drive: tuple[str, Callable[[Any, Any, Any], NDArray[np.int64]]] | None = None

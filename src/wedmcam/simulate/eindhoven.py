@@ -14,6 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from wedmcam.controllers import Stepping
+from wedmcam.controllers.eindhoven.interrupts import EMERGENCIES
+from wedmcam.controllers.eindhoven.ports import DRIVE, SAFE, drive_words
 from wedmcam.controllers.eindhoven.vectors import Vectors
 from wedmcam.ir.program import Program
 from wedmcam.simulate.controller import EVERYWHERE, Answers, Controller
@@ -31,6 +33,21 @@ def lay_vectors(program: Program, stepping: Stepping) -> Route:
     return replace(route, by_steps=True, seconds=waits)
 
 
+#: What stops the machine: all of it one interrupt, and the end of a way back.
+STOPS = (*EMERGENCIES, "alarm")
+_SAFE = ", ".join(f"{address} {word}" for address, word in SAFE.words.items())
+#: What happened, in the words of this machine.
+SENTENCES = {
+    "short": "short circuit: the generator is off; {length} um back it is free",
+    "clear": "{gone}the short circuit is gone: cut on",
+    "alarm": f"still shorted{{still}}: the machine stops; ports {_SAFE}",
+    "break": f"wire break: the emergency interrupt; ports {_SAFE}, positions kept",
+    "stop": f"emergency stop: the emergency interrupt; ports {_SAFE}, positions kept",
+    "limit": f"a limit switch: the emergency interrupt; ports {_SAFE}, positions kept",
+    "start": "the operator has seen to it, and starts the machine",
+    "clear-alarm": "the operator has seen to it, and starts the machine",
+}
+
 EINDHOVEN = Controller(
     name="eindhoven",
     title="DEM-15 of Eindhoven",
@@ -46,4 +63,7 @@ EINDHOVEN = Controller(
     takes_feed=False,
     runs_dry=False,
     lay=lay_vectors,
+    sentences=SENTENCES,
+    outputs=dict.fromkeys((*STOPS, "end"), SAFE.words),
+    drive=(f"{DRIVE:04x}", drive_words),
 )

@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntFlag
 
-from wedmcam.formats.dem15 import CONTROL, VOLTS_T_I, VOLTS_T_P
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 
 #: Addresses [S].
 T_I, T_P, DRIVE = 0x4020, 0x4021, 0x4022
@@ -47,27 +49,25 @@ class Outputs:
         """Address -> word."""
         return {f"{T_I:04x}": self.t_i, f"{T_P:04x}": self.t_p, f"{DRIVE:04x}": int(self.drive)}
 
-    @property
-    def volts(self) -> tuple[float, float]:
-        """V(t(i)) and V(t(p))."""
-        return self.t_i * VOLTS_T_I / CONTROL, self.t_p * VOLTS_T_P / CONTROL
-
 
 #: After the initialisation, which is the emergency routine too: voltages 0, generator off [S].
 SAFE = Outputs()
 
 
-def drive_word(axis: int, sign: int, cutting: bool) -> Drive:
-    """Return port 4022 at the rising edge of a step.
+def drive_words(axis: ArrayLike, sign: ArrayLike, cutting: ArrayLike) -> NDArray[np.int64]:
+    """Return port 4022 at the rising edge of each step.
 
     Args:
         axis: 0 for x, 1 for y.
-        sign: of the step.
-        cutting: the generator is on.
+        sign: of the step, +1 or -1.
+        cutting: whether the generator is on.
 
-    >>> int(drive_word(0, 1, True)), int(drive_word(1, -1, False))
-    (6, 17)
+    >>> drive_words([0, 1], [1, -1], [True, False]).tolist()
+    [6, 17]
     """
-    lines = (Drive.X_DIR, Drive.X_PULSE) if axis == 0 else (Drive.Y_DIR, Drive.Y_PULSE)
-    word = lines[1] | (lines[0] if sign > 0 else Drive(0))
-    return word if cutting else word | Drive.OEV
+    on_x, up = np.asarray(axis) == 0, np.asarray(sign) > 0
+    pulse = np.where(on_x, int(Drive.X_PULSE), int(Drive.Y_PULSE))
+    direction = np.where(up, np.where(on_x, int(Drive.X_DIR), int(Drive.Y_DIR)), 0)
+    switch = np.where(cutting, 0, int(Drive.OEV))
+    # Each is a line of its own, so that their sum is their union.
+    return np.asarray(pulse + direction + switch, np.int64)

@@ -244,6 +244,8 @@ def walk(
     stand: Stand,
     answers: Answers,
     feeder: Feeder | None = None,
+    *,
+    begun: bool = False,
 ) -> Walk:
     """Return the path of a run, up to the end of the program, an alarm, or a power cut.
 
@@ -253,8 +255,9 @@ def walk(
         stand: where it begins.
         answers: of the controller.
         feeder: a servo that feeds the wire; without one it goes forward as the scenario says.
+        begun: the machine was at this place before; else the program begins.
     """
-    return _Process(route, answers, stand, scenario.faults, feeder).run()
+    return _Process(route, answers, stand, scenario.faults, feeder).run(begun)
 
 
 class _Process:
@@ -274,10 +277,11 @@ class _Process:
         self.incidents: list[Incident] = []
         self.walked = 0
         self.cut: Fault | None = None
-        # At the very start a halt is still to come; elsewhere the machine was there before.
-        self._halts = self._halts_behind(-1 if stand == Stand() else stand.step)
+        self._halts: list[Halt] = []
 
-    def run(self) -> Walk:
+    def run(self, begun: bool) -> Walk:
+        # A halt at the very start is still to come; elsewhere the machine was there before.
+        self._halts = self._halts_to_come() if begun else self._halts_behind(-1)
         if self.stand.mode is Mode.ALARM:
             # Who begins a run at an alarm has seen to its cause.
             self._clear_alarm()
@@ -371,10 +375,10 @@ class _Process:
 
         Where the reader stands already, it goes on standing.
         """
-        halt = self.route.unread(self.stand.step, self.answers.ahead)
+        halt = self.route.unread(max(self.stand.step, self.stand.front), self.answers.ahead)
         if halt is not None and not self.stand.unread:
             self.stand = replace(self.stand, unread=halt.block)
-            self._halts = self._halts_behind(self.stand.step)
+            self._halts = self._halts_to_come()
         unread = self.stand.unread
         self._log("tape", **({"until": self.route.start_of(unread)} if unread else {}))
 
@@ -457,7 +461,7 @@ class _Process:
         else:
             self.stand = stand.ahead(stand.step)
             self._log("clear")
-        self._halts = self._halts_behind(self.stand.step)
+        self._halts = self._halts_to_come()
 
     def _clear_alarm(self) -> None:
         if self.feeder is not None:
@@ -472,8 +476,16 @@ class _Process:
         more = {"pulses": fault.pulses} if fault.pulses else {}
         self._log("power-cut", **more)
 
+    def _halts_to_come(self) -> list[Halt]:
+        """Return the halts that are still to come, the next one last.
+
+        Who goes back over blocks comes to their halts again; a memory of steps holds none.
+        """
+        stand = self.stand
+        return self._halts_behind(stand.front if self.answers.servo_feed else stand.step)
+
     def _halts_behind(self, step: int) -> list[Halt]:
-        """Return the halts that are still to come, the next one last."""
+        """Return the halts behind a place, the next one last."""
         every = list(self.route.halts)
         if self.stand.unread:
             # Put in front of what the block itself says: sorting keeps their order.

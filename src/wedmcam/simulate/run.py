@@ -71,9 +71,11 @@ def run(
     tally = _Tally(controller, route, setup)
     if state is not None:
         tally.resume(state)
-    sessions, faults = [], scenario.faults
+    sessions: list[Session] = []
+    faults, begun = scenario.faults, begin.stand != Stand()
     while True:
-        path = walk(route, replace(scenario, faults=faults), begin.stand, answers, feeder)
+        happens, begun = replace(scenario, faults=faults), begun or bool(sessions)
+        path = walk(route, happens, begin.stand, answers, feeder, begun=begun)
         sessions.append(Session(path.legs, begin))
         axes, seconds = tally.watch(path, begin, scenario.feeds)
         end = _state_behind(path, begin, axes, begin.time_s + seconds, route, setup)

@@ -1,6 +1,7 @@
 """A simulated NBY-15 against a machine that is stepped by hand: its ring of 256, its reader."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -261,3 +262,15 @@ def test_a_pause_is_made_where_it_is_read():
     ):
         record, _ = run(NBY15, route_of(tape), scenario_of([Fault(Trouble.TAPE, 10)]), SETUP)
         assert [event.kind for event in record.events] == expected
+
+
+def test_a_pause_that_was_passed_is_not_made_again_out_of_the_memory():
+    """Neither behind a short circuit at its place, nor behind a power cut on the way back."""
+    route = route_of([("pause",), ("line", 100, 0), ("pause",), ("line", 100, 0)])
+    short = Fault(Trouble.SHORT, 100, length=50)
+    for fault in (short, replace(short, cut_after=20)):
+        record, _ = run(NBY15, route, scenario_of([Fault(Trouble.POWER, 0), fault]), SETUP)
+        kinds = Counter(event.kind for event in record.events)
+        assert kinds["pause"] == 2
+        assert kinds["front"] == 1
+        assert record.finished

@@ -101,7 +101,8 @@ def _told(record: Record) -> Iterator[tuple[int, Event, str]]:
             fault = event
         # Who goes on from a state of the way back does not know where that began.
         steps = None if fault is None else event.walked - fault.walked
-        what = sentences[event.kind].format(**_filled(event, steps, straight))
+        um = None if steps is None else steps * record.route.step_um
+        what = sentences[event.kind].format(**_filled(event, steps, um, straight))
         yield n, event, f"{what} [{' + '.join(event.lamps)}]" if event.lamps else what
         if event.kind in ("clear", "alarm", "back"):
             fault = None
@@ -113,12 +114,13 @@ def _row(n: int, event: Event, what: str) -> tuple[str, ...]:
     return str(n), *cells, what
 
 
-def _filled(event: Event, steps: int | None, straight: set[int]) -> dict[str, Any]:
+def _filled(event: Event, steps: int | None, um: int | None, straight: set[int]) -> dict[str, Any]:
     """Return what the sentence of an event says.
 
     Args:
         event: itself.
         steps: from the fault until then; None where that is not known.
+        um: how far that is.
         straight: where the shortest ways back end, in steps walked.
     """
     cut, until = event.more.get("pulses", 0), event.more.get("until")
@@ -128,8 +130,8 @@ def _filled(event: Event, steps: int | None, straight: set[int]) -> dict[str, An
         "ahead": f"what is read ahead goes on to step {until}" if until else "all of it was read",
         "switch": f": {event.more['switch']}" if "switch" in event.more else "",
         "within": f", behind {cut} steps of taking up play" if cut else "",
-        "gone": "" if steps is None else f"{steps} um back ",
-        "still": "" if steps is None else f" {steps} um back",
+        "gone": "" if um is None else f"{um} um back ",
+        "still": "" if um is None else f" {um} um back",
         "way": "" if steps is None else f", {steps} steps {way}",
     }
 

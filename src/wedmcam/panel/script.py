@@ -102,8 +102,9 @@ def play_script(panel: Panel, script: str, name: str) -> Iterator[Line | Diagnos
                 "bad-script",
                 "{text} names no key, and nothing that happens",
                 TextSpan(name, number, 1),
-                hint=panel.how,
+                hint="{how}",
                 text=text.strip(),
+                how=panel.how,
             )
             return
         yield line

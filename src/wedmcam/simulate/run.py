@@ -71,9 +71,11 @@ def run(
     tally = _Tally(controller, route, setup)
     if state is not None:
         tally.resume(state)
-    sessions, faults = [], scenario.faults
+    sessions: list[Session] = []
+    faults = scenario.faults
     while True:
-        path = walk(route, replace(scenario, faults=faults), begin.stand, answers, feeder)
+        happens = replace(scenario, faults=faults)
+        path = walk(route, happens, begin.stand, answers, feeder)
         sessions.append(Session(path.legs, begin))
         axes, seconds = tally.watch(path, begin, scenario.feeds)
         end = _state_behind(path, begin, axes, begin.time_s + seconds, route, setup)

@@ -12,7 +12,6 @@ from enum import IntFlag
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-
 #: Addresses [S].
 T_I, T_P, DRIVE = 0x4020, 0x4021, 0x4022
 SHORTS, OPENS, HANDSHAKE = 0x4030, 0x4031, 0x4032

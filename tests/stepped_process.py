@@ -143,7 +143,7 @@ class Process:
             self.say("start")
             return
         made = 0
-        if fault.block is None and self.answers.shortest and len(self.threads) == 1:
+        if fault.block is None and self.answers.shortest and set(self.threads) == {0}:
             x, y = (-int(v) for v in route.place[self.n])
             way = line_steps(x, y, Axis.SQUARE, max(abs(x), abs(y))) if x or y else ()
             for step in way:

@@ -15,8 +15,11 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
     print_blob=True,
     derandomize=True,
+    max_examples=50,
 )
-settings.register_profile("hunt", settings.get_profile("wedmcam"), derandomize=False)
+settings.register_profile(
+    "hunt", settings.get_profile("wedmcam"), derandomize=False, max_examples=200
+)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "wedmcam"))
 
 finding.CHECKS = True  # values that do not fit a template are faults here

@@ -93,10 +93,15 @@ def test_the_path_is_the_edge_of_what_the_wire_sweeps(outline, side, offset):
     edge = swept(outline, side * offset)
     assert edge.geom_type == "Polygon"
     assert len(edge.interiors) == 0
-    ring = edge.exterior
-    assert max(ring.distance(Point(p)) for p in places) <= NEARER + 0.2
-    path = LineString([*places, places[0]])
-    assert max(path.distance(Point(p)) for p in ring.coords) <= NEARER + 0.2
+    # What the path encloses lies between what wires sweep that run so much nearer and farther:
+    # where two branches meet at a shallow angle their corner moves by more than that.
+    enclosed = Polygon(places).buffer(0)
+    radii = (offset - NEARER - 0.2, offset + NEARER + 0.2)
+    nearer, farther = (swept(outline, side * r) for r in radii)
+    if nearer.area > farther.area:  # the wire runs inside
+        nearer, farther = farther, nearer
+    assert nearer.buffer(-0.05).within(enclosed.buffer(0.05))
+    assert enclosed.buffer(-0.05).within(farther.buffer(0.05))
 
 
 def is_lost(lost, outline, offset):
